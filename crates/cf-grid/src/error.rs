@@ -9,9 +9,7 @@ pub enum GridError {
     #[error("expected 2 or 3 dimensions, found {0}")]
     Dimension(usize),
     /// An axis without cells.
-    #[error(
-        "expected at least 1 cell along every axis, found {cells} along axis {axis}; give a positive cell count"
-    )]
+    #[error("expected at least 1 cell along every axis, found {cells} along axis {axis}; give a positive cell count")]
     Empty {
         /// The axis.
         axis: usize,
@@ -19,9 +17,7 @@ pub enum GridError {
         cells: usize,
     },
     /// More slots than memory can index.
-    #[error(
-        "a box of {0:?} cells has more slots than this machine can address; reduce the cell counts"
-    )]
+    #[error("a box of {0:?} cells has more slots than this machine can address; reduce the cell counts")]
     TooLarge(Vec<usize>),
     /// A spacing that is not a positive finite length.
     #[error("expected a positive finite grid spacing, found {0}")]
@@ -35,9 +31,7 @@ pub enum GridError {
         value: f64,
     },
     /// A field of another layout.
-    #[error(
-        "expected a field of {expected} slots, found {found}; both must come from the same layout"
-    )]
+    #[error("expected a field of {expected} slots, found {found}; both must come from the same layout")]
     Length {
         /// Slots of the layout.
         expected: usize,

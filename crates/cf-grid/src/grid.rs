@@ -18,11 +18,7 @@ impl<const D: usize> Grid<D> {
         if !(h.is_finite() && h > 0.0) {
             return Err(GridError::Spacing(h));
         }
-        Ok(Self {
-            layout: Layout::new(cells)?,
-            origin: SVector::zeros(),
-            h,
-        })
+        Ok(Self { layout: Layout::new(cells)?, origin: SVector::zeros(), h })
     }
 
     /// The same grid with its low corner at `origin` [m].
@@ -85,20 +81,11 @@ mod tests {
 
     #[test]
     fn positions_of_cells_and_faces() {
-        let grid = Grid::new([4, 8], 0.5)
-            .unwrap()
-            .with_origin([1.0, -1.0])
-            .unwrap();
+        let grid = Grid::new([4, 8], 0.5).unwrap().with_origin([1.0, -1.0]).unwrap();
         assert_eq!(grid.centre([0, 0]).as_slice(), [1.25, -0.75]);
         assert_eq!(grid.face(1, [0, 8]).as_slice(), [1.25, 3.0]);
         assert_eq!(grid.extent().as_slice(), [2.0, 4.0]);
-        assert!(matches!(
-            Grid::new([4, 4], f64::NAN),
-            Err(GridError::Spacing(_))
-        ));
-        assert!(matches!(
-            Grid::new([4, 4], -1.0),
-            Err(GridError::Spacing(_))
-        ));
+        assert!(matches!(Grid::new([4, 4], f64::NAN), Err(GridError::Spacing(_))));
+        assert!(matches!(Grid::new([4, 4], -1.0), Err(GridError::Spacing(_))));
     }
 }

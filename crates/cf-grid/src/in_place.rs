@@ -8,9 +8,9 @@ use crate::{Layout, Reduce, Region, Run};
 /// Rows around the row being changed, each as long as a padded row (`cells[0] + 2`): the rim cells are at its ends.
 #[derive(Debug, Clone, Copy)]
 pub struct Near<'a, T, const D: usize> {
-    /// Low neighbour row per axis; entry 0 is empty, `x` neighbours are in the row itself.
+    /// Low neighbour row per axis; entry 0 repeats entry 1, `x` neighbours are in the row itself.
     pub low: [&'a [T]; D],
-    /// High neighbour row per axis; entry 0 is empty.
+    /// High neighbour row per axis; entry 0 repeats entry 1.
     pub high: [&'a [T]; D],
 }
 
@@ -53,16 +53,8 @@ impl<const D: usize> Layout<D> {
             for p in low..high {
                 let (before, rest) = planes.split_at_mut((p - low) * plane);
                 let (current, after) = rest.split_at_mut(plane);
-                let under = if p == low {
-                    below
-                } else {
-                    &before[before.len() - plane..]
-                };
-                let over = if p + 1 == high {
-                    above
-                } else {
-                    &after[..plane]
-                };
+                let under = if p == low { below } else { &before[before.len() - plane..] };
+                let over = if p + 1 == high { above } else { &after[..plane] };
                 total = total.merge(self.plane_in_place(region, p, current, under, over, body));
             }
             return total;
@@ -79,13 +71,8 @@ impl<const D: usize> Layout<D> {
             || self.halve_in_place(region_b, second, shared, above, body),
         );
         let under = &first[first.len() - plane..];
-        let over = if second.is_empty() {
-            above
-        } else {
-            &second[..plane]
-        };
-        a.merge(b)
-            .merge(self.plane_in_place(region, middle, between, under, over, body))
+        let over = if second.is_empty() { above } else { &second[..plane] };
+        a.merge(b).merge(self.plane_in_place(region, middle, between, under, over, body))
     }
 
     fn plane_in_place<T, S: Reduce>(
@@ -102,15 +89,7 @@ impl<const D: usize> Layout<D> {
         let mut cell = region.low;
         cell[D - 1] = p;
         if D == 2 {
-            let pick = |row| std::array::from_fn(|a| if a == 0 { &[][..] } else { row });
-            return body(
-                Run::new(self, cell, len),
-                plane,
-                Near {
-                    low: pick(below),
-                    high: pick(above),
-                },
-            );
+            return body(Run::new(self, cell, len), plane, Near { low: [below; D], high: [above; D] });
         }
         let mut total = S::default();
         for j in region.low[1]..region.high[1] {
@@ -119,17 +98,9 @@ impl<const D: usize> Layout<D> {
             let (before, rest) = plane.split_at_mut(at);
             let (row, after) = rest.split_at_mut(row_slots);
             let (ahead, behind) = (&before[at - row_slots..], &after[..row_slots]);
-            let pick = |y, z| {
-                std::array::from_fn(|a| match a {
-                    0 => &[][..],
-                    1 => y,
-                    _ => z,
-                })
-            };
-            let near = Near {
-                low: pick(ahead, &below[at..at + row_slots]),
-                high: pick(behind, &above[at..at + row_slots]),
-            };
+            let pick = |y, z| std::array::from_fn(|a| if a < 2 { y } else { z });
+            let near =
+                Near { low: pick(ahead, &below[at..at + row_slots]), high: pick(behind, &above[at..at + row_slots]) };
             total = total.merge(body(Run::new(self, cell, len), row, near));
         }
         total

@@ -36,10 +36,7 @@ impl<const D: usize> Layout<D> {
         let mut slots = 1usize;
         for a in 0..D {
             if cells[a] == 0 {
-                return Err(GridError::Empty {
-                    axis: a,
-                    cells: cells[a],
-                });
+                return Err(GridError::Empty { axis: a, cells: cells[a] });
             }
             stride[a] = slots;
             slots = cells[a]
@@ -48,11 +45,7 @@ impl<const D: usize> Layout<D> {
                 .filter(|&n| n <= isize::MAX as usize / 8)
                 .ok_or_else(|| GridError::TooLarge(cells.to_vec()))?;
         }
-        Ok(Self {
-            cells,
-            stride,
-            slots,
-        })
+        Ok(Self { cells, stride, slots })
     }
 
     /// Cells per axis.
@@ -88,10 +81,7 @@ impl<const D: usize> Layout<D> {
 
     /// All cells.
     pub fn cells_region(&self) -> Region<D> {
-        Region {
-            low: [0; D],
-            high: self.cells,
-        }
+        Region { low: [0; D], high: self.cells }
     }
 
     /// All faces normal to `axis`: `cells[axis] + 1` of them along it, or `cells[axis]` when the axis is periodic.
@@ -117,18 +107,9 @@ mod tests {
 
     #[test]
     fn impossible_boxes_are_refused() {
-        assert!(matches!(
-            Layout::new([4, 0]),
-            Err(GridError::Empty { axis: 1, .. })
-        ));
-        assert!(matches!(
-            Layout::new([usize::MAX, 2]),
-            Err(GridError::TooLarge(_))
-        ));
-        assert!(matches!(
-            Layout::new([1 << 40, 1 << 40]),
-            Err(GridError::TooLarge(_))
-        ));
+        assert!(matches!(Layout::new([4, 0]), Err(GridError::Empty { axis: 1, .. })));
+        assert!(matches!(Layout::new([usize::MAX, 2]), Err(GridError::TooLarge(_))));
+        assert!(matches!(Layout::new([1 << 40, 1 << 40]), Err(GridError::TooLarge(_))));
         assert!(matches!(Layout::new([3]), Err(GridError::Dimension(1))));
     }
 }

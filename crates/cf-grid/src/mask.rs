@@ -18,19 +18,13 @@ impl<const D: usize> Mask<D> {
                 values[at.slot()] = fluid(at.cell);
             }
         });
-        Self {
-            layout: *layout,
-            fluid: values,
-        }
+        Self { layout: *layout, fluid: values }
     }
 
     /// A mask from one flag per slot, as another field stores it.
     pub fn from_slots(layout: &Layout<D>, fluid: &[bool]) -> Result<Self, GridError> {
         if fluid.len() != layout.slots() {
-            return Err(GridError::Length {
-                expected: layout.slots(),
-                found: fluid.len(),
-            });
+            return Err(GridError::Length { expected: layout.slots(), found: fluid.len() });
         }
         Ok(Self::new(layout, |cell| fluid[layout.slot(cell)]))
     }
@@ -111,8 +105,7 @@ mod tests {
         let mask = Mask::new(&layout, |c| c[0] != 2);
         let closed = mask.components(&Sides::all(Wall::CLOSED));
         assert_eq!(closed.cells, [6, 6]);
-        let wrapped =
-            mask.components::<Wall>(&Sides([Axis::Periodic, Axis::Walls([Wall::CLOSED; 2])]));
+        let wrapped = mask.components::<Wall>(&Sides([Axis::Periodic, Axis::Walls([Wall::CLOSED; 2])]));
         assert_eq!(wrapped.cells, [12]);
         assert_eq!(mask.fluid_cells(), 12);
         assert!(Mask::from_slots(&layout, &[true; 3]).is_err());

@@ -32,11 +32,7 @@ pub struct Max(pub f64);
 
 impl Reduce for Max {
     fn merge(self, next: Max) -> Max {
-        if next.0 > self.0 || next.0.is_nan() {
-            next
-        } else {
-            self
-        }
+        if next.0 > self.0 || next.0.is_nan() { next } else { self }
     }
 }
 
@@ -48,11 +44,7 @@ impl<A: Reduce, B: Reduce> Reduce for (A, B) {
 
 impl<A: Reduce, B: Reduce, C: Reduce> Reduce for (A, B, C) {
     fn merge(self, next: Self) -> Self {
-        (
-            self.0.merge(next.0),
-            self.1.merge(next.1),
-            self.2.merge(next.2),
-        )
+        (self.0.merge(next.0), self.1.merge(next.1), self.2.merge(next.2))
     }
 }
 
@@ -65,12 +57,7 @@ pub fn row_dot<T: Real>(a: &[T], b: &[T]) -> f64 {
     let (a, b) = (&a[..n], &b[..n]);
     let mut lanes = [0.0; LANES];
     let (ac, bc) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    let tail: f64 = ac
-        .remainder()
-        .iter()
-        .zip(bc.remainder())
-        .map(|(x, y)| x.f64() * y.f64())
-        .sum();
+    let tail: f64 = ac.remainder().iter().zip(bc.remainder()).map(|(x, y)| x.f64() * y.f64()).sum();
     for (x, y) in ac.zip(bc) {
         for l in 0..LANES {
             lanes[l] += x[l].f64() * y[l].f64();
@@ -101,34 +88,26 @@ impl<const D: usize> Layout<D> {
 
     /// Dot product over all cells, in `f64`.
     pub fn dot<T: Real>(&self, x: &[T], y: &[T]) -> f64 {
-        self.par_runs(self.cells_region(), (), |run, ()| {
-            row_dot(run.row(x), run.row(y))
-        })
+        self.par_runs(self.cells_region(), (), |run, ()| row_dot(run.row(x), run.row(y)))
     }
 
     /// Largest absolute value over all cells; NaN if any value is NaN.
     pub fn max_abs<T: Real>(&self, x: &[T]) -> f64 {
         let max: Max = self.par_runs(self.cells_region(), (), |run, ()| {
-            run.row(x)
-                .iter()
-                .fold(Max(0.0), |m, v| m.merge(Max(v.f64().abs())))
+            run.row(x).iter().fold(Max(0.0), |m, v| m.merge(Max(v.f64().abs())))
         });
         max.0
     }
 
     /// Sum of absolute values over all cells, in `f64`.
     pub fn sum_abs<T: Real>(&self, x: &[T]) -> f64 {
-        self.par_runs(self.cells_region(), (), |run, ()| {
-            run.row(x).iter().map(|v| v.f64().abs()).sum::<f64>()
-        })
+        self.par_runs(self.cells_region(), (), |run, ()| run.row(x).iter().map(|v| v.f64().abs()).sum::<f64>())
     }
 
     /// Smallest and largest value over all cells; NaN values are passed over.
     pub fn range<T: Real>(&self, x: &[T]) -> (f64, f64) {
         let range: Range = self.par_runs(self.cells_region(), (), |run, ()| {
-            run.row(x)
-                .iter()
-                .fold(Range::default(), |r, v| r.merge(Range(v.f64(), v.f64())))
+            run.row(x).iter().fold(Range::default(), |r, v| r.merge(Range(v.f64(), v.f64())))
         });
         (range.0, range.1)
     }

@@ -14,12 +14,7 @@ pub struct Run<'l, const D: usize> {
 
 impl<'l, const D: usize> Run<'l, D> {
     pub(crate) fn new(layout: &'l Layout<D>, cell: [usize; D], len: usize) -> Self {
-        Self {
-            layout,
-            start: layout.slot(cell),
-            len,
-            cell,
-        }
+        Self { layout, start: layout.slot(cell), len, cell }
     }
 
     /// Cells in the run.
@@ -69,9 +64,7 @@ impl<'l, const D: usize> Run<'l, D> {
     /// The run moved by `by` along an axis other than `x`; `None` where it would leave the cells.
     pub fn moved(&self, axis: usize, by: isize) -> Option<Self> {
         debug_assert!(axis > 0);
-        let index = self.cell[axis]
-            .checked_add_signed(by)
-            .filter(|&i| i < self.layout.cells()[axis])?;
+        let index = self.cell[axis].checked_add_signed(by).filter(|&i| i < self.layout.cells()[axis])?;
         let mut cell = self.cell;
         cell[axis] = index;
         Some(Self::new(self.layout, cell, self.len))
@@ -91,11 +84,7 @@ impl<'l, const D: usize> Run<'l, D> {
         (0..self.len).map(move |i| {
             let mut cell = self.cell;
             cell[0] += i;
-            At {
-                layout: self.layout,
-                slot: self.start + i,
-                cell,
-            }
+            At { layout: self.layout, slot: self.start + i, cell }
         })
     }
 }

@@ -74,11 +74,7 @@ impl<W: Copy, const D: usize> Sides<W, D> {
 
     /// Every wall with its place.
     pub fn walls(&self) -> impl Iterator<Item = (usize, End, W)> + '_ {
-        (0..D).flat_map(move |a| {
-            End::BOTH
-                .into_iter()
-                .filter_map(move |e| self.wall(a, e).map(|w| (a, e, w)))
-        })
+        (0..D).flat_map(move |a| End::BOTH.into_iter().filter_map(move |e| self.wall(a, e).map(|w| (a, e, w))))
     }
 }
 
@@ -124,18 +120,9 @@ mod tests {
 
     #[test]
     fn walls_are_listed_with_their_place() {
-        let sides: Sides<Wall, 2> = Sides([
-            Axis::Periodic,
-            Axis::Walls([Wall::CLOSED, Wall::Value(2.0)]),
-        ]);
+        let sides: Sides<Wall, 2> = Sides([Axis::Periodic, Axis::Walls([Wall::CLOSED, Wall::Value(2.0)])]);
         let listed: Vec<_> = sides.walls().collect();
-        assert_eq!(
-            listed,
-            [
-                (1, End::Low, Wall::CLOSED),
-                (1, End::High, Wall::Value(2.0))
-            ]
-        );
+        assert_eq!(listed, [(1, End::Low, Wall::CLOSED), (1, End::High, Wall::Value(2.0))]);
         assert!(sides.is_periodic(0) && sides.wall(0, End::High).is_none());
         let signs = sides.map(|_, end, _| end.sign());
         assert_eq!(signs.0[1], Axis::Walls([-1.0, 1.0]));

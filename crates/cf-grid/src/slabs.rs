@@ -36,8 +36,7 @@ impl<S: Slabs, const N: usize> Slabs for [S; N] {
 
 #[inline(always)]
 fn taken<S>(half: &mut Option<S>) -> S {
-    half.take()
-        .unwrap_or_else(|| unreachable!("each half is taken once"))
+    half.take().unwrap_or_else(|| unreachable!("each half is taken once"))
 }
 
 macro_rules! tuple {

@@ -26,12 +26,7 @@ impl<const D: usize> Layout<D> {
     }
 
     /// [`par_cells`](Self::par_cells) over any region, for instance the faces of an axis.
-    pub fn par_region<T: Send>(
-        &self,
-        region: Region<D>,
-        out: &mut [T],
-        value: impl Fn(At<'_, D>) -> T + Sync,
-    ) {
+    pub fn par_region<T: Send>(&self, region: Region<D>, out: &mut [T], value: impl Fn(At<'_, D>) -> T + Sync) {
         self.par_runs(region, out, |run, row: &mut [T]| {
             for (at, slot) in run.ats().zip(row) {
                 *slot = value(at);
@@ -58,10 +53,7 @@ impl<const D: usize> Layout<D> {
         let (mut first, mut second) = (region, region);
         first.high[outer] = middle;
         second.low[outer] = middle;
-        let (a, b) = rayon::join(
-            || self.halve(first, out_low, base, body),
-            || self.halve(second, out_high, cut, body),
-        );
+        let (a, b) = rayon::join(|| self.halve(first, out_low, base, body), || self.halve(second, out_high, cut, body));
         a.merge(b)
     }
 
@@ -81,6 +73,13 @@ impl<const D: usize> Layout<D> {
             (rest, at) = (Some(after), run.start + run.len);
         });
         total
+    }
+
+    /// Calls `f` with every cell of a region, serially, in storage order: for set-up work.
+    pub fn each_cell(&self, region: Region<D>, mut f: impl FnMut(At<'_, D>)) {
+        if !region.is_empty() {
+            self.each_row(region, |run| run.ats().for_each(&mut f));
+        }
     }
 
     /// Rows of a region in storage order.
@@ -117,14 +116,10 @@ mod tests {
         for cells in [[7, 5, 3], [200, 90, 3], [1, 1, 300]] {
             let layout = Layout::new(cells).unwrap();
             let mut seen = CellField::<f64>::new(&layout);
-            let n: usize = layout.par_runs(
-                layout.cells_region(),
-                &mut seen[..],
-                |run, row: &mut [f64]| {
-                    row.iter_mut().for_each(|v| *v += 1.0);
-                    run.len()
-                },
-            );
+            let n: usize = layout.par_runs(layout.cells_region(), &mut seen[..], |run, row: &mut [f64]| {
+                row.iter_mut().for_each(|v| *v += 1.0);
+                run.len()
+            });
             assert_eq!(n, layout.count());
             assert_eq!(seen.iter().sum::<f64>(), n as f64);
             assert_eq!(layout.sum(&seen), n as f64);
@@ -144,15 +139,10 @@ mod tests {
     fn sums_have_the_same_bits_for_any_thread_count() {
         let layout = Layout::new([301, 257]).unwrap();
         let mut x = CellField::<f64>::new(&layout);
-        layout.par_cells(&mut x, |at| {
-            ((at.slot() * 2654435761) % 1000003) as f64 / 7e5 - 0.3
-        });
+        layout.par_cells(&mut x, |at| ((at.slot() * 2654435761) % 1000003) as f64 / 7e5 - 0.3);
         let sums: Vec<u64> = [1, 2, 3, 5]
             .map(|n| {
-                let pool = rayon::ThreadPoolBuilder::new()
-                    .num_threads(n)
-                    .build()
-                    .unwrap();
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
                 pool.install(|| layout.dot(&x, &x).to_bits())
             })
             .to_vec();

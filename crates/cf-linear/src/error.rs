@@ -1,0 +1,37 @@
+//! Why a solve failed. Every variant that ran carries the residual it reached.
+
+use thiserror::Error;
+
+/// A failed solve.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum SolveError {
+    /// The tolerance was not met.
+    #[error(
+        "no convergence after {iterations} iterations: residual {residual:.3e}, wanted {wanted:.3e}; \
+         loosen the tolerance or shorten the time step"
+    )]
+    NotConverged {
+        /// Iterations made.
+        iterations: usize,
+        /// Residual reached, in the norm of the criterion.
+        residual: f64,
+        /// Residual wanted.
+        wanted: f64,
+    },
+    /// NaN or infinity in the data or from overflow.
+    #[error("the {what} is not finite after {iterations} iterations; check the input for NaN, infinities or overflow")]
+    NotFinite {
+        /// What was found not finite.
+        what: &'static str,
+        /// Iterations made.
+        iterations: usize,
+    },
+    /// A coefficient is out of range.
+    #[error("expected a finite {name} >= 0, found {value}")]
+    Coefficient {
+        /// Which.
+        name: &'static str,
+        /// The value found.
+        value: f64,
+    },
+}

@@ -1,0 +1,106 @@
+//! Which solver, and why: a pure function of the operator's numbers and the tolerance.
+
+use std::fmt;
+
+/// A solver choice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Plan {
+    /// kappa = 0 and no conducting wall: x = b/alpha.
+    Diagonal,
+    /// Chebyshev iteration on the diagonally scaled operator; the iteration count is known beforehand.
+    Chebyshev,
+    /// PCG with one V(1,1) cycle.
+    Multigrid,
+}
+
+/// A plan with the reason for it, for reports.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Choice {
+    /// The plan.
+    pub plan: Plan,
+    /// One sentence.
+    pub reason: String,
+}
+
+impl fmt::Display for Choice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?}: {}", self.plan, self.reason)
+    }
+}
+
+/// Passes over the data of one Chebyshev iteration: x, b, the last x, and the store.
+const CHEBYSHEV_PASSES: f64 = 4.0;
+/// Passes of one PCG + V(1,1) iteration, with about [`MULTIGRID_ITERATIONS`] to gain six digits.
+const MULTIGRID_PASSES: f64 = 26.0;
+
+impl Plan {
+    /// Chooses by predicted passes over the data for a residual reduction of `tolerance` (model/diffusion.md 5.3, 5.9).
+    /// `alpha` and `kappa` as in [`Helmholtz`](crate::Helmholtz); `wall` is the largest wall conductance.
+    pub fn choose(dimension: usize, alpha: f64, kappa: f64, wall: f64, tolerance: f64) -> Choice {
+        if kappa == 0.0 && wall == 0.0 {
+            return Choice { plan: Plan::Diagonal, reason: "kappa = 0: the operator is alpha".into() };
+        }
+        let digits = -tolerance.clamp(1e-16, 0.5).log10();
+        let multigrid = MULTIGRID_PASSES * (1.0 + digits * multigrid_rate(kappa / alpha));
+        if alpha > 0.0 {
+            let count = chebyshev_count(dimension, alpha, kappa, tolerance);
+            let passes = CHEBYSHEV_PASSES * count as f64;
+            if kappa <= 4.0 * alpha && passes <= multigrid {
+                return Choice {
+                    plan: Plan::Chebyshev,
+                    reason: format!(
+                        "kappa = {:.2e} is small: {count} iterations known beforehand, {passes:.0} passes against {multigrid:.0}",
+                        kappa / alpha
+                    ),
+                };
+            }
+        }
+        let reason = if alpha == 0.0 {
+            "a Poisson problem needs the coarse levels".into()
+        } else {
+            format!("kappa = {:.2e}: about {multigrid:.0} passes whatever the size", kappa / alpha)
+        };
+        Choice { plan: Plan::Multigrid, reason }
+    }
+}
+
+/// Iterations per digit of PCG + V(1,1) (model/diffusion.md 5.3: 4 to 8 for six digits).
+fn multigrid_rate(kappa: f64) -> f64 {
+    match kappa {
+        k if k < 0.05 => 0.4,
+        k if k < 0.5 => 0.75,
+        _ => 1.2,
+    }
+}
+
+/// N = acosh(1/tol)/acosh(1 + alpha/(2 d kappa)): iterations of Chebyshev on [alpha, alpha + 4 d kappa] (model 5.3).
+pub fn chebyshev_count(dimension: usize, alpha: f64, kappa: f64, tolerance: f64) -> usize {
+    if kappa == 0.0 {
+        return 1;
+    }
+    let gap = 1.0 + alpha / (2.0 * dimension as f64 * kappa);
+    let count = (1.0 / tolerance.clamp(1e-300, 1.0)).acosh() / gap.acosh();
+    if count.is_finite() { (count.ceil() as usize).max(1) } else { usize::MAX }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plans_follow_kappa() {
+        assert_eq!(Plan::choose(3, 1.0, 0.0, 0.0, 1e-6).plan, Plan::Diagonal);
+        assert_eq!(Plan::choose(3, 1.0, 0.01, 0.0, 1e-6).plan, Plan::Chebyshev);
+        assert_eq!(Plan::choose(3, 1.0, 100.0, 0.0, 1e-6).plan, Plan::Multigrid);
+        assert_eq!(Plan::choose(2, 0.0, 1.0, 0.0, 1e-6).plan, Plan::Multigrid);
+    }
+
+    #[test]
+    fn chebyshev_counts_of_the_model() {
+        // Model 5.3, 2D at 1e-6: 4 at kappa .01, 8 at .1, 21 at 1.
+        for (kappa, expected) in [(0.01, 4), (0.1, 8), (1.0, 21)] {
+            let n = chebyshev_count(2, 1.0, kappa, 1e-6);
+            assert!(n.abs_diff(expected) <= 1, "kappa {kappa}: {n}");
+        }
+    }
+}

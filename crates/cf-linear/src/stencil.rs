@@ -1,0 +1,289 @@
+//! The operator of one level, row by row: (A x)_c = mass_c x_c + sum over faces of w_f (x_c - x_n).
+//!
+//! The difference form makes constants exact: with closed walls the face terms of a constant are zero, not rounding
+//! noise. Two coefficient kinds share it: [`BoxStencil`] stores nothing per cell, [`StoredStencil`] has one number per
+//! face and cell. Walls are faces whose outer neighbour is the rim, which holds zero; a closed wall has w_f = 0. Rim
+//! values along periodic axes are copies of the opposite side.
+
+use cf_grid::{Layout, Real, Run};
+
+use crate::axis::AxisTable;
+
+/// Neighbour rows of a run along axes 1.., each as long as the run; entry 0 is not used.
+pub(crate) struct Rows<'a, T, const D: usize> {
+    pub low: [&'a [T]; D],
+    pub high: [&'a [T]; D],
+}
+
+impl<'a, T, const D: usize> Rows<'a, T, D> {
+    #[inline(always)]
+    pub fn of(run: &Run<'_, D>, x: &'a [T]) -> Self {
+        Self { low: std::array::from_fn(|a| run.low(a, x)), high: std::array::from_fn(|a| run.high(a, x)) }
+    }
+}
+
+/// Row kernels of a level operator.
+pub(crate) trait Stencil<T: Real, const D: usize>: Sync {
+    /// out = A x on a run. `c` is the run with one more value at either end.
+    fn apply(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, out: &mut [T]);
+
+    /// out_c = f(J_c, out_c), J_c = (b_c + Σ w_f x_n)/diagonal_c: the solution of each cell's own equation.
+    fn jacobi(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, b: &[T], out: &mut [T], f: impl Fn(T, T) -> T);
+
+    /// Sets the cells of one colour, (sum of indices) % 2 == `colour`, to the solution of their own equation. `row` is
+    /// the padded row of the level: cell `i` is `row[i + 1]`.
+    fn relax(&self, run: &Run<'_, D>, row: &mut [T], near: Rows<'_, T, D>, b: &[T], colour: usize);
+}
+
+/// Cells handled at once between a row and its copy on the stack.
+const CHUNK: usize = 64;
+
+/// Uniform coefficients on a tensor-product box.
+#[derive(Debug, Clone)]
+pub(crate) struct BoxStencil<const D: usize> {
+    pub alpha: f64,
+    pub axes: [AxisTable; D],
+}
+
+/// Coefficients of one row of a [`BoxStencil`], x width of the inner cells folded in.
+struct RowWeights<T, const D: usize> {
+    mass: T,
+    x: T,
+    low: [T; D],
+    high: [T; D],
+    diagonal: f64,
+    area: f64,
+}
+
+impl<const D: usize> BoxStencil<D> {
+    fn row_weights<T: Real>(&self, run: &Run<'_, D>) -> RowWeights<T, D> {
+        let inner = self.axes[0].width[0];
+        let area: f64 = (1..D).map(|a| self.axes[a].width[run.cell[a]]).product();
+        let cut = |a: usize, i: usize| self.axes[a].face[i] * inner * area / self.axes[a].width[run.cell[a]];
+        let low: [f64; D] = std::array::from_fn(|a| if a == 0 { 0.0 } else { cut(a, run.cell[a]) });
+        let high: [f64; D] = std::array::from_fn(|a| if a == 0 { 0.0 } else { cut(a, run.cell[a] + 1) });
+        let mass = self.alpha * inner * area;
+        let x = self.axes[0].face.get(1).copied().unwrap_or(0.0) * area;
+        let sides: f64 = low.iter().chain(&high).sum();
+        RowWeights {
+            mass: T::of(mass),
+            x: T::of(x),
+            low: low.map(T::of),
+            high: high.map(T::of),
+            diagonal: mass + sides,
+            area,
+        }
+    }
+
+    /// Cells whose two x faces and width are those of the bulk.
+    fn inner(&self, run: &Run<'_, D>) -> std::ops::Range<usize> {
+        let n = self.axes[0].len();
+        let (from, to) = (run.cell[0].max(1), (run.cell[0] + run.len()).min(n.saturating_sub(2)));
+        from..to.max(from).min(from.max(to))
+    }
+
+    /// Scale of mass and side weights, and the two x weights, of cell `i`.
+    #[inline(always)]
+    fn edge(&self, i: usize, area: f64) -> (f64, f64, f64) {
+        let x = &self.axes[0];
+        (x.width[i] / x.width[0], x.face[i] * area, x.face[i + 1] * area)
+    }
+
+    /// Solution of the equation of cell `i` (entry `t` of the run) near the ends of a row.
+    #[allow(clippy::too_many_arguments)]
+    fn own_solution<T: Real>(
+        &self,
+        w: &RowWeights<T, D>,
+        i: usize,
+        t: usize,
+        b: T,
+        left: T,
+        right: T,
+        near: &Rows<'_, T, D>,
+    ) -> T {
+        let (scale, wl, wr) = self.edge(i, w.area);
+        let diagonal = scale * w.diagonal + wl + wr;
+        let mut sides = T::ZERO;
+        for a in 1..D {
+            sides += w.low[a] * near.low[a][t] + w.high[a] * near.high[a][t];
+        }
+        let sum = b + T::of(scale) * sides + (T::of(wl) * left + T::of(wr) * right);
+        if diagonal > 0.0 { T::of(1.0 / diagonal) * sum } else { T::ZERO }
+    }
+}
+
+impl<T: Real, const D: usize> Stencil<T, D> for BoxStencil<D> {
+    #[inline]
+    fn apply(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, out: &mut [T]) {
+        let w = self.row_weights::<T>(run);
+        let first = run.cell[0];
+        let inner = self.inner(run);
+        let edge = |i: usize, out: &mut [T]| {
+            let (scale, wl, wr) = self.edge(i, w.area);
+            let (scale, wl, wr) = (T::of(scale), T::of(wl), T::of(wr));
+            let t = i - first;
+            let x = c[t + 1];
+            let mut sides = w.mass * x;
+            for a in 1..D {
+                sides += w.low[a] * (x - near.low[a][t]) + w.high[a] * (x - near.high[a][t]);
+            }
+            out[t] = scale * sides + (wl * (x - c[t]) + wr * (x - c[t + 2]));
+        };
+        for i in (first..inner.start).chain(inner.end.max(first)..first + run.len()) {
+            edge(i, out);
+        }
+        let (t, n) = (inner.start - first, inner.len());
+        let (l, x, r) = (&c[t..t + n], &c[t + 1..t + 1 + n], &c[t + 2..t + 2 + n]);
+        let low: [&[T]; D] = std::array::from_fn(|a| &near.low[a][t..t + n]);
+        let high: [&[T]; D] = std::array::from_fn(|a| &near.high[a][t..t + n]);
+        let out = &mut out[t..t + n];
+        for i in 0..n {
+            let v = x[i];
+            let mut sides = w.mass * v;
+            for a in 1..D {
+                sides += w.low[a] * (v - low[a][i]) + w.high[a] * (v - high[a][i]);
+            }
+            out[i] = sides + w.x * ((v - l[i]) + (v - r[i]));
+        }
+    }
+
+    #[inline]
+    fn jacobi(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, b: &[T], out: &mut [T], f: impl Fn(T, T) -> T) {
+        let w = self.row_weights::<T>(run);
+        let first = run.cell[0];
+        let inner = self.inner(run);
+        for i in (first..inner.start).chain(inner.end.max(first)..first + run.len()) {
+            let t = i - first;
+            out[t] = f(self.own_solution(&w, i, t, b[t], c[t], c[t + 2], &near), out[t]);
+        }
+        let inverse = T::of(1.0 / (w.diagonal + 2.0 * w.x.f64()));
+        let (t, n) = (inner.start - first, inner.len());
+        let (l, r, b) = (&c[t..t + n], &c[t + 2..t + 2 + n], &b[t..t + n]);
+        let low: [&[T]; D] = std::array::from_fn(|a| &near.low[a][t..t + n]);
+        let high: [&[T]; D] = std::array::from_fn(|a| &near.high[a][t..t + n]);
+        let out = &mut out[t..t + n];
+        for i in 0..n {
+            let mut sum = b[i] + w.x * (l[i] + r[i]);
+            for a in 1..D {
+                sum += w.low[a] * low[a][i] + w.high[a] * high[a][i];
+            }
+            out[i] = f(inverse * sum, out[i]);
+        }
+    }
+
+    #[inline]
+    fn relax(&self, run: &Run<'_, D>, row: &mut [T], near: Rows<'_, T, D>, b: &[T], colour: usize) {
+        let w = self.row_weights::<T>(run);
+        let first = run.cell[0];
+        let inner = self.inner(run);
+        let others: usize = run.cell[1..].iter().sum();
+        let meant = |i: usize| (i + others) % 2 == colour;
+        for i in (first..inner.start).chain(inner.end.max(first)..first + run.len()) {
+            if meant(i) {
+                let t = i - first;
+                row[i + 1] = self.own_solution(&w, i, t, b[t], row[i], row[i + 2], &near);
+            }
+        }
+        let inverse = T::of(1.0 / (w.diagonal + 2.0 * w.x.f64()));
+        let mut copy = [T::ZERO; CHUNK + 2];
+        let mut i = inner.start;
+        while i < inner.end {
+            let n = CHUNK.min(inner.end - i);
+            let t = i - first;
+            let copy = &mut copy[..n + 2];
+            copy.copy_from_slice(&row[i..i + n + 2]);
+            let low: [&[T]; D] = std::array::from_fn(|a| &near.low[a][t..t + n]);
+            let high: [&[T]; D] = std::array::from_fn(|a| &near.high[a][t..t + n]);
+            let (b, out) = (&b[t..t + n], &mut row[i + 1..i + 1 + n]);
+            let phase = usize::from(!meant(i));
+            for k in 0..n {
+                let mut sum = b[k] + w.x * (copy[k] + copy[k + 2]);
+                for a in 1..D {
+                    sum += w.low[a] * low[a][k] + w.high[a] * high[a][k];
+                }
+                out[k] = if k % 2 == phase { inverse * sum } else { copy[k + 1] };
+            }
+            i += n;
+        }
+    }
+}
+
+/// One stored weight per face and one stored mass per cell: obstacles and variable coefficients.
+#[derive(Debug, Clone)]
+pub(crate) struct StoredStencil<T, const D: usize> {
+    pub mass: Vec<T>,
+    pub face: [Vec<T>; D],
+    /// 1/diagonal, zero in solid cells, which keeps them at zero.
+    pub inverse: Vec<T>,
+}
+
+impl<T: Real, const D: usize> StoredStencil<T, D> {
+    /// From masses and face weights in f64.
+    pub fn new(layout: &Layout<D>, mass: &[f64], face: &[Vec<f64>; D]) -> Self {
+        let mut inverse = vec![T::ZERO; layout.slots()];
+        layout.par_cells(&mut inverse, |at| {
+            let sum: f64 = mass[at.slot()] + (0..D).map(|a| face[a][at.slot()] + face[a][at.high(a)]).sum::<f64>();
+            T::of(if sum > 0.0 { 1.0 / sum } else { 0.0 })
+        });
+        let round = |v: &Vec<f64>| v.iter().map(|&x| T::of(x)).collect();
+        Self { mass: round(&mass.to_vec()), face: std::array::from_fn(|a| round(&face[a])), inverse }
+    }
+}
+
+impl<T: Real, const D: usize> Stencil<T, D> for StoredStencil<T, D> {
+    #[inline]
+    fn apply(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, out: &mut [T]) {
+        let n = run.len();
+        let mass = run.row(&self.mass);
+        let (xl, xr) = (run.row(&self.face[0]), run.high(0, &self.face[0]));
+        let wl: [&[T]; D] = std::array::from_fn(|a| run.row(&self.face[a]));
+        let wh: [&[T]; D] = std::array::from_fn(|a| run.high(a, &self.face[a]));
+        let (low, high) = (near.low, near.high);
+        let (l, x, r) = (&c[..n], &c[1..n + 1], &c[2..n + 2]);
+        for i in 0..n {
+            let v = x[i];
+            let mut sum = mass[i] * v;
+            for a in 1..D {
+                sum += wl[a][i] * (v - low[a][i]) + wh[a][i] * (v - high[a][i]);
+            }
+            out[i] = sum + (xl[i] * (v - l[i]) + xr[i] * (v - r[i]));
+        }
+    }
+
+    #[inline]
+    fn jacobi(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, b: &[T], out: &mut [T], f: impl Fn(T, T) -> T) {
+        let n = run.len();
+        let (xl, xr) = (run.row(&self.face[0]), run.high(0, &self.face[0]));
+        let wl: [&[T]; D] = std::array::from_fn(|a| run.row(&self.face[a]));
+        let wh: [&[T]; D] = std::array::from_fn(|a| run.high(a, &self.face[a]));
+        let (inverse, b) = (run.row(&self.inverse), &b[..n]);
+        let (l, r) = (&c[..n], &c[2..n + 2]);
+        let out = &mut out[..n];
+        for i in 0..n {
+            let mut sum = b[i] + (xl[i] * l[i] + xr[i] * r[i]);
+            for a in 1..D {
+                sum += wl[a][i] * near.low[a][i] + wh[a][i] * near.high[a][i];
+            }
+            out[i] = f(inverse[i] * sum, out[i]);
+        }
+    }
+
+    #[inline]
+    fn relax(&self, run: &Run<'_, D>, row: &mut [T], near: Rows<'_, T, D>, b: &[T], colour: usize) {
+        let n = run.len();
+        let (xl, xr) = (run.row(&self.face[0]), run.high(0, &self.face[0]));
+        let wl: [&[T]; D] = std::array::from_fn(|a| run.row(&self.face[a]));
+        let wh: [&[T]; D] = std::array::from_fn(|a| run.high(a, &self.face[a]));
+        let inverse = run.row(&self.inverse);
+        let (low, high) = (near.low, near.high);
+        let (b, first) = (&b[..n], run.cell[0]);
+        let phase = (run.cell.iter().sum::<usize>() + colour) % 2;
+        for i in (phase..n).step_by(2) {
+            let mut sum = b[i] + (xl[i] * row[first + i] + xr[i] * row[first + i + 2]);
+            for a in 1..D {
+                sum += wl[a][i] * low[a][i] + wh[a][i] * high[a][i];
+            }
+            row[first + i + 1] = inverse[i] * sum;
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! From numbers to colours: maps, ranges, display scalings, light and dark themes.
+
+/// Red, green, blue, 0 to 255.
+pub type Rgb = [u8; 3];
+
+/// A colour map. All but [`Grey`](Self::Grey) are read well by colour-blind people and on most screens.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ColorMap {
+    /// Dark blue to yellow, perceptually even; for quantities without a middle.
+    #[default]
+    Viridis,
+    /// Black to pale yellow, perceptually even; for plumes and fronts.
+    Inferno,
+    /// Black to pale pink, perceptually even.
+    Magma,
+    /// Blue to yellow, even also for colour-blind people.
+    Cividis,
+    /// Black to white.
+    Grey,
+    /// Blue through white to red; for signed quantities, with [`ColorRange::Symmetric`].
+    BlueRed,
+    /// Purple through white to green; for signed quantities.
+    PurpleGreen,
+}
+
+impl ColorMap {
+    /// The colour at `t`, cut to 0..1.
+    pub fn at(self, t: f64) -> Rgb {
+        let t = t.clamp(0.0, 1.0);
+        let color = match self {
+            Self::Viridis => colorous::VIRIDIS.eval_continuous(t),
+            Self::Inferno => colorous::INFERNO.eval_continuous(t),
+            Self::Magma => colorous::MAGMA.eval_continuous(t),
+            Self::Cividis => colorous::CIVIDIS.eval_continuous(t),
+            Self::Grey => colorous::GREYS.eval_continuous(1.0 - t),
+            Self::BlueRed => colorous::RED_BLUE.eval_continuous(1.0 - t),
+            Self::PurpleGreen => colorous::PURPLE_GREEN.eval_continuous(t),
+        };
+        [color.r, color.g, color.b]
+    }
+}
+
+/// Which values the ends of the colour map stand for. Values beyond an end take its colour.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum ColorRange {
+    /// Smallest to largest finite value of the picture.
+    #[default]
+    Auto,
+    /// From, to.
+    Fixed(f64, f64),
+    /// Minus to plus the largest magnitude, for diverging maps.
+    Symmetric,
+}
+
+impl ColorRange {
+    /// The range for data between `data[0]` and `data[1]`: ordered, finite and not empty, whatever comes in.
+    pub fn resolve(self, data: [f64; 2]) -> [f64; 2] {
+        let [low, high] = match self {
+            Self::Auto => data,
+            Self::Fixed(a, b) => [a.min(b), a.max(b)],
+            Self::Symmetric => {
+                let largest = data[0].abs().max(data[1].abs());
+                [-largest, largest]
+            }
+        };
+        widen([low, high])
+    }
+}
+
+/// Makes an interval finite and non-empty without changing one that is.
+pub(crate) fn widen([low, high]: [f64; 2]) -> [f64; 2] {
+    const LIMIT: f64 = 1e300; // so that differences stay finite
+    if !low.is_finite() || !high.is_finite() || low > high {
+        return [0.0, 1.0];
+    }
+    let [low, high] = [low.clamp(-LIMIT, LIMIT), high.clamp(-LIMIT, LIMIT)];
+    let least = 1e-12 * low.abs().max(high.abs());
+    if high - low > least {
+        [low, high]
+    } else if low == 0.0 && high == 0.0 {
+        [0.0, 1.0]
+    } else {
+        let middle = 0.5 * low + 0.5 * high;
+        [middle - 0.5 * middle.abs(), middle + 0.5 * middle.abs()]
+    }
+}
+
+/// How values are spread over the map. For display only: the data are not changed and the colour bar shows it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Display {
+    /// Evenly.
+    #[default]
+    Linear,
+    /// By the logarithm; values at or below zero take the lowest colour. The lowest value shown is the larger of the
+    /// range's and its top times 10⁻ⁿ with the given number of decades.
+    Log(u32),
+    /// By a power of the position in the range; below 1 lifts small values.
+    Gamma(f64),
+}
+
+impl Display {
+    /// The range actually shown.
+    pub(crate) fn range(self, [low, high]: [f64; 2]) -> [f64; 2] {
+        match self {
+            Self::Log(decades) => {
+                let high = if high > 0.0 { high } else { 1.0 };
+                let floor = (high * 10_f64.powi(-(decades.clamp(1, 300) as i32))).max(f64::MIN_POSITIVE);
+                [low.max(floor).min(0.5 * high), high]
+            }
+            _ => [low, high],
+        }
+    }
+
+    /// Position of a value in 0..1 of a range from [`range`](Self::range); NaN stays NaN.
+    pub(crate) fn position(self, value: f64, [low, high]: [f64; 2]) -> f64 {
+        let even = ((value - low) / (high - low)).clamp(0.0, 1.0);
+        match self {
+            Self::Linear => even,
+            Self::Gamma(gamma) if gamma.is_finite() && gamma > 0.0 => even.powf(gamma),
+            Self::Gamma(_) => even,
+            Self::Log(_) if value.is_nan() => value,
+            Self::Log(_) if value <= low => 0.0,
+            Self::Log(_) => ((value / low).ln() / (high / low).ln()).clamp(0.0, 1.0),
+        }
+    }
+}
+
+/// Colours of everything that is not data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Theme {
+    /// Dark on white, for paper.
+    #[default]
+    Light,
+    /// Light on near-black, for slides.
+    Dark,
+}
+
+impl Theme {
+    /// Colour behind everything.
+    pub fn background(self) -> Rgb {
+        match self {
+            Self::Light => [255, 255, 255],
+            Self::Dark => [20, 22, 27],
+        }
+    }
+
+    /// Colour of text and frames.
+    pub fn ink(self) -> Rgb {
+        match self {
+            Self::Light => [32, 36, 42],
+            Self::Dark => [222, 225, 230],
+        }
+    }
+
+    /// Colour of grid lines.
+    pub fn faint(self) -> Rgb {
+        match self {
+            Self::Light => [224, 227, 231],
+            Self::Dark => [52, 56, 64],
+        }
+    }
+
+    /// Colour of cells without a number: on no map.
+    pub fn missing(self) -> Rgb {
+        [255, 0, 255]
+    }
+}
+
+/// Eight line colours that colour-blind people can tell apart (after Okabe and Ito).
+pub(crate) fn line_color(n: usize, theme: Theme) -> Rgb {
+    const COLORS: [Rgb; 7] =
+        [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233], [148, 103, 60]];
+    match n % 8 {
+        7 => theme.ink(),
+        n => COLORS[n],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn maps_have_the_ends_they_promise() {
+        let bright = |c: Rgb| c.iter().map(|&v| u32::from(v)).sum::<u32>();
+        for map in [ColorMap::Viridis, ColorMap::Inferno, ColorMap::Magma, ColorMap::Cividis, ColorMap::Grey] {
+            assert!(bright(map.at(0.0)) < bright(map.at(0.5)) && bright(map.at(0.5)) < bright(map.at(1.0)), "{map:?}");
+        }
+        let [red, _, blue] = ColorMap::BlueRed.at(1.0);
+        assert!(red > blue && bright(ColorMap::BlueRed.at(0.5)) > 700);
+    }
+
+    #[test]
+    fn log_display_starts_at_the_asked_decade() {
+        let [low, high] = Display::Log(3).range([0.0, 10.0]);
+        assert!((low - 0.01).abs() < 1e-15 && high == 10.0);
+        assert!((Display::Log(3).position(0.1, [low, high]) - 1.0 / 3.0).abs() < 1e-12);
+        assert_eq!(Display::Log(3).position(-1.0, [low, high]), 0.0);
+        assert!(Display::Log(3).position(f64::NAN, [low, high]).is_nan());
+    }
+
+    #[test]
+    fn symmetric_ranges_have_zero_in_the_middle() {
+        assert_eq!(ColorRange::Symmetric.resolve([-1.0, 3.0]), [-3.0, 3.0]);
+        assert_eq!(ColorRange::Fixed(2.0, 1.0).resolve([0.0, 9.0]), [1.0, 2.0]);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn every_value_has_a_place(a: f64, b: f64, v: f64, decades: u32, gamma: f64) {
+            for range in [ColorRange::Auto, ColorRange::Symmetric, ColorRange::Fixed(b, a)] {
+                let resolved = range.resolve([a, b]);
+                prop_assert!(resolved[0] < resolved[1], "{:?}", resolved);
+                for display in [Display::Linear, Display::Log(decades), Display::Gamma(gamma)] {
+                    let shown = display.range(resolved);
+                    prop_assert!(shown[0] < shown[1], "{:?} {:?}", display, shown);
+                    let t = display.position(v, shown);
+                    prop_assert!(t.is_nan() == v.is_nan() && (v.is_nan() || (0.0..=1.0).contains(&t)), "{} {:?}", t, display);
+                }
+            }
+        }
+    }
+}

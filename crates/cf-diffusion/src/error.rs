@@ -1,4 +1,4 @@
-//! What can be wrong with the numbers of a law.
+//! What can be wrong with the numbers of a law; failures of a step are in `step_error`.
 
 /// A law that cannot be built. The message names the parameter, the value found and what is expected.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]

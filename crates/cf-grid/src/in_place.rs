@@ -118,6 +118,18 @@ impl<const D: usize> Layout<D> {
     }
 }
 
+impl<const D: usize> Layout<D> {
+    /// Copies each wall cell into the rim beside it along `axis`, so that differences across the wall are zero.
+    pub fn mirror_rim<T: Copy>(&self, axis: usize, x: &mut [T]) {
+        let stride = self.stride(axis);
+        let block = stride * (self.cells()[axis] + 2);
+        for part in x.chunks_exact_mut(block) {
+            part.copy_within(stride..2 * stride, 0);
+            part.copy_within(block - 2 * stride..block - stride, block - stride);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -61,6 +61,15 @@ impl<'l, const D: usize> Run<'l, D> {
         &field[self.start - 1..self.start + self.len + 1]
     }
 
+    /// `len` cells of the run from its cell `first` on.
+    #[inline(always)]
+    pub fn part(&self, first: usize, len: usize) -> Self {
+        debug_assert!(first + len <= self.len);
+        let mut cell = self.cell;
+        cell[0] += first;
+        Self { layout: self.layout, start: self.start + first, len, cell }
+    }
+
     /// The run moved by `by` along an axis other than `x`; `None` where it would leave the cells.
     pub fn moved(&self, axis: usize, by: isize) -> Option<Self> {
         debug_assert!(axis > 0);

@@ -1,0 +1,169 @@
+//! `claims`: statements that can be checked on the runs they name.
+
+use super::names::source_of;
+use super::{Checker, out_of_range};
+use crate::error::{Detail, SceneError};
+use crate::scene::{Diffusion, Model, Scene, TimeStep};
+use crate::spec::{Claim, Kind, Knob, Medium, SceneSpec, Statement};
+use crate::text::merged::Merged;
+
+/// Checks all claims against the validated runs.
+pub(crate) fn claims(spec: &SceneSpec, merged: &Merged, runs: &[Scene]) -> Vec<SceneError> {
+    let mut check = Checker::new(merged);
+    for (i, claim) in spec.claims.iter().enumerate() {
+        one(&mut check, &format!("claims[{i}].statement"), claim, runs);
+    }
+    check.problems
+}
+
+fn one(check: &mut Checker<'_>, path: &str, claim: &Claim, runs: &[Scene]) {
+    let key = |name: &str| format!("{path}.{name}");
+    match &claim.statement {
+        Statement::ConeAngle { run, expected, tolerance, source, rows } => {
+            check.positive(&key("tolerance"), *tolerance);
+            check.require((0.0..90.0).contains(expected), &key("expected"), || {
+                out_of_range("an angle from 0 to below 90 degrees", *expected)
+            });
+            check.require(0.0 <= rows.0 && rows.0 < rows.1, &key("rows"), || {
+                Detail::new("out of range")
+                    .expected("(near, far) with 0 <= near < far")
+                    .found(format!("({}, {})", rows.0, rows.1))
+            });
+            let Some((scene, model)) = moving(check, path, run, runs) else { return };
+            check.require(source.len() == scene.grid.dimension(), &key("source"), || {
+                Detail::new("wrong number of values").expected(format!("{} numbers", scene.grid.dimension()))
+            });
+            let speeds = (model.law.speed().unwrap_or(f64::INFINITY), speed(&model.medium));
+            check.require(speeds.0 < speeds.1, path, || {
+                Detail::new("only a flow faster than the waves has a cone")
+                    .expected(format!("a wave speed below {}", speeds.1))
+                    .found(speeds.0.to_string())
+            });
+        }
+        Statement::NoUpstreamTail { run, source, fraction, .. } => {
+            check.require(*fraction > 0.0 && *fraction <= 1.0, &key("fraction"), || {
+                out_of_range("above 0 up to 1", *fraction)
+            });
+            upstream(check, path, run, *source, runs);
+        }
+        Statement::Within { quantity, run, low, high } => {
+            if let (Some(low), Some(high)) = (low, high) {
+                check.require(low <= high, &key("high"), || {
+                    out_of_range(&format!("at least low, which is {low}"), *high)
+                });
+            }
+            check.require(low.or(*high).is_some() || claim.kind != Kind::Must, path, || {
+                Detail::new("a claim that must hold needs `low` or `high`").advice("or make it kind: Report")
+            });
+            if let Some(source) = source_of(quantity) {
+                upstream(check, path, run, source, runs);
+            }
+        }
+        Statement::Monotone { quantity, runs: names, .. } => {
+            several(check, &key("runs"), names);
+            for run in names {
+                if let Some(source) = source_of(quantity) {
+                    upstream(check, path, run, source, runs);
+                }
+            }
+        }
+        Statement::EqualBits { runs: (a, b) } => {
+            check.require(a != b, &key("runs"), || Detail::new("these are the same run"));
+            if let (Some(a), Some(b)) = (find(runs, a), find(runs, b)) {
+                let same = a.grid == b.grid && a.numerics.precision == b.numerics.precision;
+                check.require(same, &key("runs"), || {
+                    Detail::new("runs of different grids or precisions cannot end with equal bits")
+                });
+            }
+        }
+        Statement::Order { parameter, runs: names, reference, tolerance, .. } => {
+            check.positive(&key("tolerance"), *tolerance);
+            several(check, &key("runs"), names);
+            check.require(!names.contains(reference), &key("reference"), || {
+                Detail::new("the reference is itself one of the runs")
+            });
+            let values: Vec<Option<f64>> =
+                names.iter().filter_map(|name| find(runs, name)).map(|scene| read(*parameter, scene)).collect();
+            let distinct = values.iter().enumerate().all(|(i, value)| !values[..i].contains(value));
+            check.require(
+                distinct && values.iter().all(|value| value.is_some_and(|v| v > 0.0)),
+                &key("parameter"),
+                || {
+                    Detail::new(format!("{parameter:?} must be above 0 and differ from run to run")).found(format!(
+                        "{:?}",
+                        values.iter().map(|value| value.unwrap_or(f64::NAN)).collect::<Vec<_>>()
+                    ))
+                },
+            );
+        }
+        Statement::MassBudget { tolerance } => {
+            check.positive(&key("tolerance"), *tolerance);
+        }
+        Statement::Speed { run, tolerance, .. } => {
+            check.positive(&key("tolerance"), *tolerance);
+            let pulse = find(runs, run).is_none_or(|scene| matches!(scene.model, Model::SingleField(_)));
+            check.require(pulse, &key("run"), || {
+                Detail::new("a pulse's speed needs one dimension").expected("a SingleField run")
+            });
+        }
+    }
+}
+
+fn find<'a>(runs: &'a [Scene], name: &str) -> Option<&'a Scene> {
+    runs.iter().find(|scene| scene.run == name)
+}
+
+/// A diffusion run in a uniform flow.
+fn moving<'a>(check: &mut Checker<'_>, path: &str, run: &str, runs: &'a [Scene]) -> Option<(&'a Scene, &'a Diffusion)> {
+    let scene = find(runs, run)?;
+    match &scene.model {
+        Model::Diffusion(model) if speed(&model.medium) > 0.0 => Some((scene, model)),
+        _ => {
+            let detail = Detail::new(format!("upstream and downstream need a uniform flow, which run `{run}` has not"));
+            check.fail(path, detail.expected("medium: Uniform((u, v))"));
+            None
+        }
+    }
+}
+
+fn upstream(check: &mut Checker<'_>, path: &str, run: &str, source: usize, runs: &[Scene]) {
+    let Some((scene, model)) = moving(check, path, run, runs) else { return };
+    let bounded = |shape: &crate::spec::Shape| {
+        (0..scene.grid.dimension()).all(|axis| shape.bounds(axis).0.is_finite() && shape.bounds(axis).1.is_finite())
+    };
+    let good = model.sources.get(source).is_some_and(|source| bounded(&source.shape));
+    check.require(good, path, || {
+        Detail::new(format!("run `{run}` has no bounded source [{source}]"))
+            .found(format!("a list of {}, counted from [0]", model.sources.len()))
+    });
+}
+
+fn speed(medium: &Medium) -> f64 {
+    match medium {
+        Medium::Uniform(u) => u.iter().map(|component| component * component).sum::<f64>().sqrt(),
+        _ => 0.0,
+    }
+}
+
+fn several(check: &mut Checker<'_>, path: &str, names: &[String]) {
+    let unique = names.iter().enumerate().all(|(i, name)| !names[..i].contains(name));
+    check.require(names.len() >= 2 && unique, path, || {
+        Detail::new("a comparison needs two or more different runs").found(names.len().to_string())
+    });
+}
+
+fn read(parameter: Knob, scene: &Scene) -> Option<f64> {
+    let law = match &scene.model {
+        Model::Diffusion(model) => model.law,
+        Model::SingleField(model) => model.law,
+    };
+    match parameter {
+        Knob::Tau => Some(law.tau),
+        Knob::Fourier => Some(law.fourier),
+        Knob::CellSize => Some(scene.grid.spacing),
+        Knob::TimeStep => match scene.numerics.step {
+            TimeStep::Fixed(dt) => Some(dt),
+            TimeStep::Cfl(_) => None,
+        },
+    }
+}

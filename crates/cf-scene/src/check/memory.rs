@@ -1,0 +1,118 @@
+//! How much memory a scene will take, before it takes any.
+
+use super::Checker;
+use crate::error::Detail;
+use crate::scene::{Model, Scene};
+use crate::spec::{Flow, Integrator, Medium, Precision};
+
+/// What a run may use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Memory \[bytes\].
+    pub memory: u64,
+}
+
+impl Limits {
+    /// All the memory of this machine, or 1 TiB where it cannot be found out.
+    pub fn of_this_machine() -> Self {
+        let kilobytes = std::fs::read_to_string("/proc/meminfo").ok().and_then(|table| total_kilobytes(&table));
+        Limits { memory: kilobytes.map_or(1 << 40, |kilobytes| kilobytes.saturating_mul(1024)) }
+    }
+}
+
+fn total_kilobytes(table: &str) -> Option<u64> {
+    let line = table.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
+    line.split_whitespace().next()?.parse().ok()
+}
+
+/// Predicted memory, field by field. The integrators and solvers decide the truth; this is meant to be a little high.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MemoryTable {
+    /// One row per field or group of fields.
+    pub rows: Vec<MemoryRow>,
+}
+
+/// A field or group of fields.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MemoryRow {
+    /// What it is.
+    pub name: &'static str,
+    /// Its size \[bytes\].
+    pub bytes: u64,
+}
+
+impl MemoryTable {
+    /// The sum \[bytes\].
+    pub fn total(&self) -> u64 {
+        self.rows.iter().fold(0, |sum, row| sum.saturating_add(row.bytes))
+    }
+}
+
+impl Scene {
+    /// The memory this run is predicted to take.
+    pub fn memory(&self) -> MemoryTable {
+        let slots = self.grid.cells.iter().fold(1u64, |product, n| product.saturating_mul(*n as u64 + 2));
+        let word = if self.numerics.precision == Precision::F32 { 4 } else { 8 };
+        let mut rows = Vec::new();
+        let mut add = |name, arrays: f64, bytes: u64| {
+            if arrays > 0.0 {
+                rows.push(MemoryRow { name, bytes: (arrays * slots as f64 * bytes as f64) as u64 });
+            }
+        };
+        let d = self.grid.dimension() as f64;
+        let Model::Diffusion(model) = &self.model else {
+            add("phi and flux, with work space", 6.0, word);
+            return MemoryTable { rows };
+        };
+        let (flux, moves) = (if model.law.has_memory() { d } else { 0.0 }, model.medium != Medium::Still);
+        let prescribed = matches!(model.medium, Medium::Analytic(Flow::Rotation { .. } | Flow::Deformation { .. }));
+        add("phi", 1.0, word);
+        add("q_C", flux, word);
+        add("sources", if model.sources.is_empty() { 0.0 } else { 1.0 }, word);
+        add("velocity", if prescribed { d } else { 0.0 }, word);
+        add("advection buffers", if moves { 2.0 } else { 0.0 }, word);
+        match self.numerics.integrator {
+            Integrator::Kdk => add("step buffer", 1.0, word),
+            Integrator::PaperBe => add("solver vectors and levels", 5.5, word),
+            Integrator::Sdirk2 => {
+                add("first stage", 1.0 + flux, word);
+                add("solver vectors and levels", 5.5, word);
+            }
+        }
+        add(
+            "preconditioner in single precision",
+            if self.numerics.precision == Precision::Mixed { 2.5 } else { 0.0 },
+            4,
+        );
+        add("face weights and diagonal", if model.obstacles.is_empty() { 0.0 } else { d + 1.0 }, word);
+        add("output", 1.0, 4);
+        MemoryTable { rows }
+    }
+}
+
+/// Refuses a scene larger than the limit.
+pub(super) fn fits(check: &mut Checker<'_>, scene: &Scene, limits: &Limits) {
+    let total = scene.memory().total();
+    check.require(total <= limits.memory, "grid.cells", || {
+        Detail::new(format!("this run needs about {}, the machine has {}", gigabytes(total), gigabytes(limits.memory)))
+            .advice("use fewer cells, a smaller preset or precision: f32")
+    });
+}
+
+fn gigabytes(bytes: u64) -> String {
+    let size = bytes as f64 / 1e9;
+    if size < 0.1 { format!("{:.3} GB", size) } else { format!("{size:.1} GB") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_memory_of_a_machine_is_read_from_its_table() {
+        assert_eq!(total_kilobytes("MemTotal:       24599108 kB\nMemFree: 1 kB\n"), Some(24_599_108));
+        assert_eq!(total_kilobytes("MemFree: 1 kB\n"), None);
+        assert_eq!(total_kilobytes("MemTotal: lots\n"), None);
+        assert!(Limits::of_this_machine().memory > 1 << 20);
+    }
+}

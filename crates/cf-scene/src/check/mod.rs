@@ -1,0 +1,124 @@
+//! Everything that must hold before anything is allocated.
+//!
+//! Each section has a function that takes what was written and gives what it means, reporting every problem it meets.
+
+mod claims;
+mod grid;
+mod law;
+pub(crate) mod memory;
+mod model;
+mod names;
+mod numerics;
+mod output;
+mod schedule;
+mod sides;
+
+pub(crate) use claims::claims;
+pub use memory::{Limits, MemoryRow, MemoryTable};
+pub(crate) use names::names;
+
+use crate::error::{Detail, Problems, SceneError};
+use crate::scene::Scene;
+use crate::spec::SceneSpec;
+use crate::text::merged::Merged;
+use crate::text::path::Path;
+use crate::text::tree::Shape;
+
+/// Validates one run. Its name and label are left empty.
+pub(crate) fn scene(
+    spec: &SceneSpec,
+    merged: &Merged,
+    preset: Option<&str>,
+    limits: &Limits,
+) -> Result<Scene, Problems> {
+    let mut check = Checker::new(merged);
+    check.every_number_is_finite();
+    check.stop()?;
+    let grid = grid::grid(&mut check, spec);
+    check.stop()?;
+    let model = model::model(&mut check, &spec.model, &grid);
+    check.stop()?;
+    let sides = sides::sides(&mut check, &spec.sides, &grid, &model);
+    let numerics = numerics::numerics(&mut check, &spec.accuracy, &model, preset);
+    let schedule = schedule::schedule(&mut check, &spec.run);
+    output::output(&mut check, &spec.output);
+    let (run, label) = (String::new(), String::new());
+    let scene = Scene { run, label, grid, sides, model, numerics, schedule, output: spec.output.clone() };
+    memory::fits(&mut check, &scene, limits);
+    check.stop()?;
+    Ok(scene)
+}
+
+/// The most problems that are reported at once; more help nobody and each costs a look through the text.
+const MAX_PROBLEMS: usize = 100;
+
+/// Collects problems at paths of a merged scene.
+pub(crate) struct Checker<'a> {
+    merged: &'a Merged,
+    pub(crate) problems: Vec<SceneError>,
+}
+
+impl<'a> Checker<'a> {
+    pub(crate) fn new(merged: &'a Merged) -> Self {
+        Checker { merged, problems: Vec::new() }
+    }
+
+    /// Reports a problem at a path, or at the nearest existing value above it.
+    pub(crate) fn fail(&mut self, path: &str, detail: Detail) {
+        if self.problems.len() >= MAX_PROBLEMS {
+            return;
+        }
+        let steps = Path::parse(path).unwrap_or_default();
+        let (node, taken) = self.merged.tree.follow(&steps);
+        let span = if taken == steps.0.len() { node.span.clone() } else { node.span.start..node.span.start + 1 };
+        self.problems.push(self.merged.error(span, detail.at(path)));
+    }
+
+    /// Reports a problem unless something holds, which is returned.
+    pub(crate) fn require(&mut self, holds: bool, path: &str, detail: impl FnOnce() -> Detail) -> bool {
+        if !holds {
+            self.fail(path, detail());
+        }
+        holds
+    }
+
+    pub(crate) fn positive(&mut self, path: &str, value: f64) -> bool {
+        self.require(value > 0.0, path, || out_of_range("greater than 0", value))
+    }
+
+    pub(crate) fn not_negative(&mut self, path: &str, value: f64) -> bool {
+        self.require(value >= 0.0, path, || out_of_range("0 or greater", value))
+    }
+
+    /// The problems so far, as an error.
+    fn stop(&mut self) -> Result<(), Problems> {
+        Problems::from_list(std::mem::take(&mut self.problems)).map_or(Ok(()), Err)
+    }
+
+    fn every_number_is_finite(&mut self) {
+        let mut wrong = Vec::new();
+        self.merged.tree.walk(&mut Path::default(), &mut |path, node| {
+            let text = &self.merged.text[node.span.clone()];
+            let infinite = match node.shape {
+                Shape::Number => is_infinite(text),
+                Shape::Word => ["inf", "NaN"].iter().any(|start| text.starts_with(start)),
+                _ => false,
+            };
+            if infinite && wrong.len() < MAX_PROBLEMS {
+                let detail = Detail::new("not a finite number").found(node.describe(&self.merged.text));
+                wrong.push(self.merged.error(node.span.clone(), detail.at(path.to_string())));
+            }
+        });
+        self.problems.extend(wrong);
+    }
+}
+
+/// `+inf`, `-NaN`, or digits too large for a number.
+fn is_infinite(text: &str) -> bool {
+    let digits = text.trim_end_matches("f64").trim_end_matches("f32").replace('_', "");
+    digits.parse::<f64>().is_ok_and(|value| !value.is_finite())
+}
+
+pub(crate) fn out_of_range(expected: &str, found: f64) -> Detail {
+    Detail::new("out of range").expected(expected).found(found.to_string())
+}

@@ -1,0 +1,163 @@
+//! `model`: numbers in range, shapes that hit the domain, a medium of the right dimension.
+
+use super::{Checker, law, out_of_range};
+use crate::error::Detail;
+use crate::scene::{Diffusion, Grid, Law, Model, SingleField};
+use crate::spec::{Axis, Flow, Medium, ModelSpec, Shape};
+
+/// The most deposits, sources or obstacles of a scene.
+const MAX_SHAPES: usize = 10_000;
+
+/// Checks the model and resolves its law.
+pub(super) fn model(check: &mut Checker<'_>, spec: &ModelSpec, grid: &Grid) -> Model {
+    match spec {
+        ModelSpec::Diffusion { law, medium, initial, sources, obstacles } => {
+            check_medium(check, medium, grid);
+            let law = law::law(check, law, medium);
+            for (key, count) in [("initial", initial.len()), ("sources", sources.len()), ("obstacles", obstacles.len())]
+            {
+                check.require(count <= MAX_SHAPES, &format!("model.{key}"), || {
+                    Detail::new("too many entries").expected(format!("at most {MAX_SHAPES}")).found(count.to_string())
+                });
+            }
+            for (i, deposit) in initial.iter().take(MAX_SHAPES).enumerate() {
+                shape(check, &format!("model.initial[{i}].shape"), &deposit.shape, grid);
+            }
+            for (i, source) in sources.iter().take(MAX_SHAPES).enumerate() {
+                let path = format!("model.sources[{i}]");
+                shape(check, &format!("{path}.shape"), &source.shape, grid);
+                check.not_negative(&format!("{path}.from"), source.from);
+                let until = source.until.unwrap_or(f64::INFINITY);
+                check.require(until > source.from, &format!("{path}.until"), || {
+                    out_of_range(&format!("later than from, which is {}", source.from), until)
+                });
+            }
+            for (i, obstacle) in obstacles.iter().take(MAX_SHAPES).enumerate() {
+                let path = format!("model.obstacles[{i}]");
+                let solid = !matches!(obstacle, Shape::Everywhere | Shape::Gaussian { .. } | Shape::Cosine { .. });
+                if check.require(solid, &path, || {
+                    Detail::new("this shape has no solid inside").expected("`Box`, `Ball`, `Below` or `Above`")
+                }) {
+                    shape(check, &path, obstacle, grid);
+                }
+            }
+            Model::Diffusion(Diffusion {
+                law,
+                medium: medium.clone(),
+                initial: initial.clone(),
+                sources: sources.clone(),
+                obstacles: obstacles.clone(),
+            })
+        }
+        ModelSpec::SingleField { form, k, tau, velocity, pulse } => {
+            check.not_negative("model.k", *k);
+            check.positive("model.tau", *tau);
+            check.positive("model.pulse.width", pulse.width);
+            let (low, high) = domain(grid, 0);
+            check.require((low..=high).contains(&pulse.center), "model.pulse.center", || {
+                out_of_range(&format!("inside the domain, {low} to {high}"), pulse.center)
+            });
+            let law = Law { k: *k, tau: *tau, fourier: 0.0 };
+            Model::SingleField(SingleField { form: *form, law, velocity: *velocity, pulse: *pulse })
+        }
+    }
+}
+
+fn check_medium(check: &mut Checker<'_>, medium: &Medium, grid: &Grid) {
+    match medium {
+        Medium::Still => {}
+        Medium::Uniform(velocity) => axes(check, "model.medium", velocity.len(), grid),
+        Medium::Analytic(Flow::Rotation { center, .. }) => axes(check, "model.medium", center.len(), grid),
+        Medium::Analytic(Flow::Deformation { period }) => {
+            check.positive("model.medium", *period);
+        }
+    }
+}
+
+fn axes(check: &mut Checker<'_>, path: &str, found: usize, grid: &Grid) {
+    let dimension = grid.dimension();
+    check.require(found == dimension, path, || {
+        Detail::new(format!("the grid has {dimension} axes"))
+            .expected(format!("{dimension} numbers"))
+            .found(found.to_string())
+    });
+}
+
+fn domain(grid: &Grid, axis: usize) -> (f64, f64) {
+    (grid.origin[axis], grid.origin[axis] + grid.extent[axis])
+}
+
+fn shape(check: &mut Checker<'_>, path: &str, shape: &Shape, grid: &Grid) {
+    let before = check.problems.len();
+    match shape {
+        Shape::Everywhere => {}
+        Shape::Box { low, high } => {
+            axes(check, &format!("{path}.low"), low.len(), grid);
+            axes(check, &format!("{path}.high"), high.len(), grid);
+            for (axis, (low, high)) in low.iter().zip(high.iter()).enumerate() {
+                check.require(low <= high, &format!("{path}.low[{axis}]"), || {
+                    out_of_range(&format!("at most the high corner's {high}"), *low)
+                });
+            }
+        }
+        Shape::Ball { center, radius: size } | Shape::Gaussian { center, width: size } => {
+            axes(check, &format!("{path}.center"), center.len(), grid);
+            let key = if matches!(shape, Shape::Ball { .. }) { "radius" } else { "width" };
+            check.positive(&format!("{path}.{key}"), *size);
+        }
+        Shape::Below { axis, .. } | Shape::Above { axis, .. } => {
+            let exists = axis.index() < grid.dimension();
+            check.require(exists, &format!("{path}.axis"), || {
+                let legal = if grid.dimension() == 2 { "`X` or `Y`" } else { "an axis of the grid" };
+                Detail::new("the grid has no such axis").expected(legal).found(format!("`{}`", axis_name(*axis)))
+            });
+        }
+        Shape::Cosine { modes } => axes(check, &format!("{path}.modes"), modes.len(), grid),
+    }
+    if let Shape::Gaussian { width, .. } = shape {
+        let least = 0.25 * grid.spacing;
+        check.require(*width >= least, &format!("{path}.width"), || {
+            out_of_range(&format!("at least a quarter of a cell, {least}"), *width)
+        });
+    }
+    if check.problems.len() == before {
+        hits_the_domain(check, path, shape, grid);
+    }
+}
+
+fn axis_name(axis: Axis) -> &'static str {
+    ["X", "Y", "Z"][axis.index()]
+}
+
+fn hits_the_domain(check: &mut Checker<'_>, path: &str, shape: &Shape, grid: &Grid) {
+    for axis in 0..grid.dimension() {
+        let ((low, high), (start, end)) = (shape.bounds(axis), domain(grid, axis));
+        if !check.require(low <= end && high >= start, path, || {
+            let name = ["x", "y", "z"][axis];
+            Detail::new("the shape lies wholly outside the domain")
+                .expected(format!("{name} somewhere in {start} to {end}"))
+                .found(format!("{low} to {high}"))
+        }) {
+            return;
+        }
+    }
+    let sharp = !matches!(shape, Shape::Everywhere | Shape::Gaussian { .. } | Shape::Cosine { .. });
+    check.require(!sharp || holds_a_cell(shape, grid), path, || {
+        Detail::new("the shape is so small that it holds no cell centre, so it would do nothing")
+            .expected(format!("at least one cell, {} wide", grid.spacing))
+            .advice("enlarge the shape or use more cells")
+    });
+}
+
+/// Whether the centre of the cell nearest to the middle of the shape, the one most likely to be inside, is inside.
+fn holds_a_cell(shape: &Shape, grid: &Grid) -> bool {
+    let centre: Vec<f64> = (0..grid.dimension())
+        .map(|axis| {
+            let ((low, high), (start, end)) = (shape.bounds(axis), domain(grid, axis));
+            let middle = 0.5 * (low.max(start) + high.min(end));
+            let cell = ((middle - start) / grid.spacing).floor().clamp(0.0, (grid.cells[axis] - 1) as f64);
+            start + (cell + 0.5) * grid.spacing
+        })
+        .collect();
+    shape.weight(&centre, &grid.origin, &grid.extent) > 0.0
+}

@@ -1,0 +1,30 @@
+//! `output`: colour ranges that are ranges, fields named once.
+
+use super::{Checker, out_of_range};
+use crate::error::Detail;
+use crate::spec::{Output, Pictures};
+
+/// Checks what is to be written.
+pub(super) fn output(check: &mut Checker<'_>, spec: &Output) {
+    match spec.pictures {
+        Pictures::Off | Pictures::Auto => {}
+        Pictures::Linear { low, high } => ordered(check, low, high),
+        Pictures::Log { low, high } => {
+            check.positive("output.pictures.low", low);
+            ordered(check, low, high);
+        }
+    }
+    for (i, field) in spec.fields.iter().enumerate() {
+        let first = !spec.fields.iter().take(i).any(|earlier| earlier == field);
+        if !check.require(first, &format!("output.fields[{i}]"), || Detail::new("this field is already listed")) {
+            return;
+        }
+    }
+    check.require(!spec.vtk || !spec.fields.is_empty(), "output.fields", || {
+        Detail::new("there is nothing to write").expected("at least `phi`").advice("or set vtk: false")
+    });
+}
+
+fn ordered(check: &mut Checker<'_>, low: f64, high: f64) {
+    check.require(low < high, "output.pictures.high", || out_of_range(&format!("above low, which is {low}"), high));
+}

@@ -1,0 +1,157 @@
+//! A scene after validation: plain numbers, every default filled in, nothing left to decide but the physics.
+
+use crate::spec::{
+    Advection, Axes, AxisSides, Deposit, Integrator, Level, Medium, Output, Precision, Pulse, Shape, SingleFieldForm,
+    Solver, SourceSpec, Splitting,
+};
+
+/// One run, ready to be built.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// The run's name, used in files and claims.
+    pub run: String,
+    /// What pictures and reports call it.
+    pub label: String,
+    /// The box and its cells.
+    pub grid: Grid,
+    /// The walls, one entry per axis.
+    pub sides: Axes<AxisSides>,
+    /// The physics.
+    pub model: Model,
+    /// The numerics.
+    pub numerics: Numerics,
+    /// When to stop and when to write.
+    pub schedule: Schedule,
+    /// What to write.
+    pub output: Output,
+}
+
+/// A box of equal cubes. Lengths in metres.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// Cells along each axis.
+    pub cells: Axes<usize>,
+    /// The edge of a cell.
+    pub spacing: f64,
+    /// The low corner.
+    pub origin: Axes<f64>,
+    /// The lengths of the box.
+    pub extent: Axes<f64>,
+}
+
+impl Grid {
+    /// 1, 2 or 3.
+    pub fn dimension(&self) -> usize {
+        self.cells.len()
+    }
+}
+
+/// The kinds of models.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Model {
+    /// Cattaneo-Fourier diffusion in a prescribed medium, in two or three dimensions.
+    Diffusion(Diffusion),
+    /// A pulse in a one-dimensional flow.
+    SingleField(SingleField),
+}
+
+/// Cattaneo-Fourier diffusion of one quantity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diffusion {
+    /// The law.
+    pub law: Law,
+    /// How the medium moves.
+    pub medium: Medium,
+    /// `phi` at the start, summed.
+    pub initial: Vec<Deposit>,
+    /// What is added while it runs.
+    pub sources: Vec<SourceSpec>,
+    /// Solid shapes.
+    pub obstacles: Vec<Shape>,
+}
+
+/// A pulse by a chosen form of the equations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SingleField {
+    /// Which equations.
+    pub form: SingleFieldForm,
+    /// The law; its Fourier share is zero.
+    pub law: Law,
+    /// Velocity of the medium \[m/s\].
+    pub velocity: f64,
+    /// `phi` at the start.
+    pub pulse: Pulse,
+}
+
+/// The numbers of the law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Law {
+    /// Total diffusivity \[m²/s\], at least 0.
+    pub k: f64,
+    /// Relaxation time \[s\], at least 0.
+    pub tau: f64,
+    /// The share F_T of `k` without memory, from 0 to 1.
+    pub fourier: f64,
+}
+
+impl Law {
+    /// Whether a flux with memory exists.
+    pub fn has_memory(&self) -> bool {
+        self.tau > 0.0 && self.fourier < 1.0
+    }
+
+    /// Wave speed √((1 − fourier)·k/tau) \[m/s\]; `None` without memory.
+    pub fn speed(&self) -> Option<f64> {
+        self.has_memory().then(|| ((1.0 - self.fourier) * self.k / self.tau).sqrt())
+    }
+}
+
+/// The numerics, every knob decided.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Numerics {
+    /// The level that chose the knobs which the scene does not set.
+    pub level: Level,
+    /// How diffusion is stepped.
+    pub integrator: Integrator,
+    /// How `phi` and its flux are carried.
+    pub advection: Advection,
+    /// How diffusion and advection alternate.
+    pub splitting: Splitting,
+    /// The time step.
+    pub step: TimeStep,
+    /// Relative residual at which a solve stops.
+    pub tolerance: f64,
+    /// Floating-point numbers.
+    pub precision: Precision,
+    /// How linear systems are solved.
+    pub solver: Solver,
+}
+
+/// How the time step is chosen. Frames and the end may shorten single steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TimeStep {
+    /// \[s\]
+    Fixed(f64),
+    /// This times h/(|u| + c); a law without memory counts with c = 0.
+    Cfl(f64),
+}
+
+/// When to stop and when to write. Times in seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Schedule {
+    /// The end.
+    pub until: f64,
+    /// Frames after the first; frame `i` is at `i·interval`, the last at the end.
+    pub frames: u32,
+    /// Time between frames; the last interval may be shorter.
+    pub interval: f64,
+    /// The most time steps to take.
+    pub steps: Option<u64>,
+}
+
+impl Schedule {
+    /// The time of a frame; frame 0 is the start.
+    pub fn frame_time(&self, frame: u32) -> f64 {
+        if frame >= self.frames { self.until } else { (f64::from(frame) * self.interval).min(self.until) }
+    }
+}

@@ -1,0 +1,95 @@
+//! `accuracy`: a level, and knobs that override what the level chooses.
+
+use serde::Deserialize;
+
+/// A level and its overrides. `accuracy: Draft` is short for `accuracy: (level: Draft)`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(rename = "accuracy", deny_unknown_fields, default)]
+pub struct AccuracySpec {
+    /// The level; unless given, `Draft` with the preset "draft" and `Standard` otherwise.
+    pub level: Option<Level>,
+    /// How diffusion is stepped.
+    pub integrator: Option<Integrator>,
+    /// How `phi` and its flux are carried.
+    pub advection: Option<Advection>,
+    /// How diffusion and advection alternate.
+    pub splitting: Option<Splitting>,
+    /// A fixed time step \[s\].
+    pub dt: Option<f64>,
+    /// The time step as a multiple of h/(|u| + c).
+    pub cfl: Option<f64>,
+    /// Relative residual at which a solve stops.
+    pub tolerance: Option<f64>,
+    /// Floating-point numbers.
+    pub precision: Option<Precision>,
+    /// How linear systems are solved.
+    pub solver: Option<Solver>,
+}
+
+/// Documented sets of knobs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+pub enum Level {
+    /// Fast and first order.
+    Draft,
+    /// Second order.
+    #[default]
+    Standard,
+    /// Small steps and tight solves.
+    Accurate,
+    /// Whatever reaches this relative error.
+    Target(f64),
+}
+
+/// How diffusion is stepped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub enum Integrator {
+    /// The paper's backward Euler: one solve a step, first order.
+    PaperBe,
+    /// Two solves a step, second order.
+    Sdirk2,
+    /// Explicit kick-drift-kick, second order; only for fourier = 0 and tau > 0.
+    Kdk,
+}
+
+/// How `phi` and its flux are carried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub enum Advection {
+    /// Conservative, second order.
+    Muscl,
+    /// Semi-Lagrangian, cubic.
+    Cubic,
+    /// Semi-Lagrangian, linear.
+    Linear,
+}
+
+/// How diffusion and advection alternate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub enum Splitting {
+    /// Half, whole, half: second order.
+    Strang,
+    /// One after the other, in the paper's order: first order.
+    Lie,
+}
+
+/// Floating-point numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Precision {
+    /// Single.
+    F32,
+    /// Double, with a single-precision preconditioner.
+    Mixed,
+    /// Double.
+    F64,
+}
+
+/// How linear systems are solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub enum Solver {
+    /// As the plan decides.
+    Auto,
+    /// Conjugate gradients with a multigrid cycle.
+    Multigrid,
+    /// Chebyshev iteration.
+    Chebyshev,
+}

@@ -40,9 +40,11 @@ pub mod catalog;
 mod check;
 mod error;
 mod experiment;
+pub mod progress;
 mod scene;
 pub mod spec;
 mod suggest;
+pub mod summary;
 mod text;
 
 pub use check::{Limits, MemoryRow, MemoryTable};

@@ -1,0 +1,184 @@
+//! What a run leaves for machines: the content of `summary.json`, with stable keys.
+
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// One command's outcome: all runs of a scene file, and the claims about them.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Summary {
+    /// Scene file name without extension.
+    pub scene: String,
+    /// Its title.
+    pub title: String,
+    /// Figure of the paper, if any.
+    pub figure: Option<String>,
+    /// Version of the program.
+    pub version: String,
+    /// Size preset.
+    pub preset: Option<String>,
+    /// `--set` flags, as given.
+    pub overrides: Vec<String>,
+    /// Runs in the order of the file.
+    pub runs: Vec<RunSummary>,
+    /// Claims that apply.
+    pub claims: Vec<ClaimResult>,
+    /// Wall seconds of everything, output included.
+    pub seconds: f64,
+}
+
+impl Summary {
+    /// Claims that must hold and do not.
+    pub fn failures(&self) -> impl Iterator<Item = &ClaimResult> {
+        self.claims.iter().filter(|c| c.kind == "Must" && !c.pass)
+    }
+}
+
+/// One run.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct RunSummary {
+    /// Variant name, `main` without variants.
+    pub name: String,
+    /// What pictures call it.
+    pub label: String,
+    /// 1, 2 or 3.
+    pub dimension: usize,
+    /// Cells per axis.
+    pub cells: Vec<usize>,
+    /// Cell edge \[m\].
+    pub spacing: f64,
+    /// `f32`, `mixed` or `f64`.
+    pub precision: String,
+    /// Worker threads.
+    pub threads: usize,
+    /// Time steps made.
+    pub steps: u64,
+    /// Smallest and largest time step \[s\].
+    pub dt: [f64; 2],
+    /// Why the step is what it is.
+    pub dt_reason: String,
+    /// Simulated time reached \[s\].
+    pub time: f64,
+    /// Integrator of the diffusion.
+    pub integrator: String,
+    /// Why this one.
+    pub integrator_reason: String,
+    /// Transport scheme.
+    pub advection: String,
+    /// Linear solver plan, or `none`.
+    pub solver: String,
+    /// Why this plan.
+    pub solver_reason: String,
+    /// Solver iterations per solve.
+    pub iterations: Iterations,
+    /// Wall seconds.
+    pub seconds: Seconds,
+    /// Peak resident memory of the process so far \[bytes\].
+    pub peak_memory: u64,
+    /// Fields and scratch with their bytes.
+    pub fields: Vec<FieldBytes>,
+    /// The mass budget \[P m^D\].
+    pub mass: Mass,
+    /// Smallest and largest value of every field at the end.
+    pub ranges: Vec<Range>,
+    /// Regime of the law in this medium.
+    pub regime: RegimeSummary,
+    /// Largest residual of any solve \[P\], a bound of what one solve adds to the error.
+    pub residual: f64,
+    /// What a user should know.
+    pub warnings: Vec<String>,
+    /// Files written, relative to the output folder.
+    pub files: Vec<String>,
+}
+
+/// Iterations per solve.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Iterations {
+    /// Solves made.
+    pub solves: usize,
+    /// Mean.
+    pub mean: f64,
+    /// Largest mean over the solves of one step.
+    pub max: usize,
+}
+
+/// Wall seconds.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Seconds {
+    /// Steps and output.
+    pub total: f64,
+    /// Steps alone, per step.
+    pub per_step: f64,
+    /// By phase: `transport`, `diffusion`, `output`.
+    pub phases: BTreeMap<String, f64>,
+}
+
+/// Storage of one field.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct FieldBytes {
+    /// Its name.
+    pub name: String,
+    /// Its size \[bytes\].
+    pub bytes: u64,
+}
+
+/// The mass budget \[P m^D\].
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Mass {
+    /// At the start.
+    pub start: f64,
+    /// At the end.
+    pub end: f64,
+    /// Added by sources.
+    pub emitted: f64,
+    /// Left through the walls.
+    pub outflow: f64,
+    /// (end - start - emitted + outflow) relative to the sum of |phi| (or of what was emitted, if larger).
+    pub drift: f64,
+}
+
+/// Smallest and largest value.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Range {
+    /// Field name.
+    pub field: String,
+    /// Smallest value.
+    pub min: f64,
+    /// Largest value.
+    pub max: f64,
+}
+
+/// The law's regime.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct RegimeSummary {
+    /// Its name.
+    pub name: String,
+    /// Wave speed c \[m/s\].
+    pub speed: Option<f64>,
+    /// H_c = |u|/c.
+    pub hc: Option<f64>,
+    /// Half angle of the cone \[degrees\].
+    pub half_angle: Option<f64>,
+}
+
+/// A claim with what was measured.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct ClaimResult {
+    /// What reports call it.
+    pub name: String,
+    /// `Paper` or `Ours`.
+    pub source: String,
+    /// `Must`, `Report` or `KnownFalse`.
+    pub kind: String,
+    /// Why it is known not to hold.
+    pub reason: Option<String>,
+    /// What was expected, in words with numbers.
+    pub expected: String,
+    /// What came out, in words with numbers.
+    pub measured: String,
+    /// The number compared, where there is one.
+    pub value: Option<f64>,
+    /// The tolerance, where there is one.
+    pub tolerance: Option<f64>,
+    /// Whether it holds.
+    pub pass: bool,
+}

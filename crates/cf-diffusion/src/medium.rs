@@ -1,8 +1,15 @@
 //! The moving medium that carries φ and q_C: at rest, in uniform motion, or with a velocity on every face
 //! (model section 1: u \[m/s\]).
 
-use cf_grid::{End, FaceField, Grid, Layout, Max, Real, Reduce, Region, Sides, Wall};
+mod make;
+mod survey;
+
+use cf_grid::{End, FaceField, Grid, Layout, Max, Real, Reduce, Sides, Wall};
 use nalgebra::SVector;
+
+pub use make::{sample, stream_function, vector_potential};
+pub(crate) use survey::Survey;
+use survey::{all_finite, measure, on_wall};
 
 /// How the medium moves.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,7 +27,9 @@ pub enum Medium<T, const D: usize> {
 #[non_exhaustive]
 pub enum MediumError {
     /// A velocity, stream function or vector potential that is infinite or not a number.
-    #[error("the medium's velocity along axis {axis} is {value} at the face of cell {cell:?}, expected a finite velocity")]
+    #[error(
+        "the medium's velocity along axis {axis} is {value} at the face of cell {cell:?}, expected a finite velocity"
+    )]
     NotFinite {
         /// Axis of the velocity component.
         axis: usize,
@@ -50,15 +59,6 @@ pub enum MediumError {
         /// Slots of the velocity field.
         found: usize,
     },
-}
-
-/// Largest speeds and their largest changes across a cell, per axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Survey<const D: usize> {
-    /// max |u_a| \[m/s\].
-    pub speed: [f64; D],
-    /// max |u_a(right face) − u_a(left face)| \[m/s\].
-    pub change: [f64; D],
 }
 
 impl<T: Real, const D: usize> Medium<T, D> {
@@ -117,7 +117,7 @@ impl<T: Real, const D: usize> Medium<T, D> {
 
     /// Checks everything and measures the speeds in one reading of the velocity.
     pub(crate) fn survey(&self, grid: &Grid<D>, sides: &Sides<Wall, D>) -> Result<Survey<D>, MediumError> {
-        let mut survey = Survey { speed: [0.0; D], change: [0.0; D] };
+        let mut survey = Survey { speed: [0.0; D], change: [0.0; D], uniform: !matches!(self, Medium::Field(_)) };
         match self {
             Medium::Still => return Ok(survey),
             Medium::Uniform(u) => {
@@ -160,143 +160,6 @@ impl<T: Real, const D: usize> Medium<T, D> {
 fn seam_slot<const D: usize>(layout: &Layout<D>, axis: usize, mut cell: [usize; D]) -> usize {
     cell[axis] = 0;
     layout.slot(cell)
-}
-
-/// max |u| and max |u_R − u_L| along `axis`; NaN or infinite where a value is.
-fn measure<T: Real, const D: usize>(layout: &Layout<D>, periodic: bool, axis: usize, u: &[T]) -> (f64, f64) {
-    let last = layout.cells()[axis] - 1;
-    let (speed, change): (Max, Max) = layout.par_runs(layout.cells_region(), (), |run, ()| {
-        let row = run.row(u);
-        if !periodic {
-            measure_row(row, run.high(axis, u))
-        } else if axis == 0 {
-            measure_row(row, &row[1..]).merge(measure_row(&row[row.len() - 1..], row))
-        } else if run.cell[axis] == last {
-            measure_row(row, run.wrapped(axis, 1).row(u))
-        } else {
-            measure_row(row, run.high(axis, u))
-        }
-    });
-    (speed.0, change.0)
-}
-
-/// The same for the pairs of two rows, in fixed lanes; v − v turns what is not finite into NaN.
-fn measure_row<T: Real>(low: &[T], high: &[T]) -> (Max, Max) {
-    const LANES: usize = 8;
-    let (mut speed, mut change, mut poison) = ([T::ZERO; LANES], [T::ZERO; LANES], [T::ZERO; LANES]);
-    let mut pair = |lane: usize, l: T, h: T| {
-        speed[lane] = speed[lane].max(l.abs()).max(h.abs());
-        change[lane] = change[lane].max((h - l).abs());
-        poison[lane] += (l - l) + (h - h);
-    };
-    let n = low.len().min(high.len());
-    let (lows, highs) = (low[..n].chunks_exact(LANES), high[..n].chunks_exact(LANES));
-    for (&l, &h) in lows.remainder().iter().zip(highs.remainder()) {
-        pair(0, l, h);
-    }
-    for (l, h) in lows.zip(highs) {
-        for lane in 0..LANES {
-            pair(lane, l[lane], h[lane]);
-        }
-    }
-    let top = |lanes: [T; LANES]| lanes.iter().fold(0.0, |m: f64, v| m.max(v.f64()));
-    let poison: f64 = poison.iter().map(|v| v.f64()).sum();
-    (Max(top(speed) + poison), Max(top(change) + poison))
-}
-
-fn on_wall<T: Real, const D: usize>(layout: &Layout<D>, axis: usize, end: End, u: &[T]) -> f64 {
-    let mut layer = layout.faces_region(axis, false);
-    match end {
-        End::Low => layer.high[axis] = 1,
-        End::High => layer.low[axis] = layer.high[axis] - 1,
-    }
-    let max: Max = layout.par_runs(layer, (), |run, ()| {
-        run.row(u).iter().fold(Max(0.0), |m, v| m.merge(Max(v.f64().abs())))
-    });
-    max.0
-}
-
-/// The first offender in storage order.
-#[derive(Default)]
-struct First(Option<MediumError>);
-
-impl Reduce for First {
-    fn merge(self, next: Self) -> Self {
-        First(self.0.or(next.0))
-    }
-}
-
-fn all_finite<T: Real, const D: usize>(
-    layout: &Layout<D>,
-    region: Region<D>,
-    axis: usize,
-    u: &[T],
-) -> Result<(), MediumError> {
-    let first: First = layout.par_runs(region, (), |run, ()| {
-        First(run.ats().find(|at| !u[at.slot()].is_finite()).map(|at| {
-            let cell = std::array::from_fn(|a| at.cell.get(a).copied().unwrap_or(0));
-            MediumError::NotFinite { axis, cell, value: u[at.slot()].f64() }
-        }))
-    });
-    first.0.map_or(Ok(()), Err)
-}
-
-/// The velocity u(x) \[m/s\] at the centres x \[m\] of all faces, walls included.
-pub fn sample<T: Real, const D: usize>(
-    grid: &Grid<D>,
-    velocity: impl Fn(SVector<f64, D>) -> SVector<f64, D> + Sync,
-) -> Result<FaceField<T, D>, MediumError> {
-    on_faces(grid, |axis, cell| velocity(grid.face(axis, cell))[axis])
-}
-
-/// A velocity without divergence from a stream function ψ \[m²/s\] sampled at the cell corners x \[m\]
-/// (model/fluid section 1): u_x = ∂ψ/∂y, u_y = −∂ψ/∂x, as differences over one cell edge.
-///
-/// max|div u| is round-off in `T`. On periodic axes ψ must be periodic up to a linear function.
-pub fn stream_function<T: Real>(
-    grid: &Grid<2>,
-    psi: impl Fn(SVector<f64, 2>) -> f64 + Sync,
-) -> Result<FaceField<T, 2>, MediumError> {
-    let corner = |i: [usize; 2]| psi(grid.origin() + SVector::from(i).map(|i: usize| i as f64 * grid.h()));
-    on_faces(grid, |axis, [i, j]| match axis {
-        0 => (corner([i, j + 1]) - corner([i, j])) / grid.h(),
-        _ => (corner([i, j]) - corner([i + 1, j])) / grid.h(),
-    })
-}
-
-/// A velocity without divergence from a vector potential A \[m²/s\] sampled at the middles x \[m\] of the cell edges
-/// (model/fluid section 1): u = curl A, component by component as the circulation around the face.
-///
-/// max|div u| is round-off in `T`. On periodic axes A must be periodic up to a linear function.
-pub fn vector_potential<T: Real>(
-    grid: &Grid<3>,
-    potential: impl Fn(SVector<f64, 3>) -> SVector<f64, 3> + Sync,
-) -> Result<FaceField<T, 3>, MediumError> {
-    // Component `along` at the middle of the edge that starts at a corner and runs along it.
-    let edge = |along: usize, corner: [usize; 3]| {
-        let mut at = SVector::from(corner).map(|i: usize| i as f64);
-        at[along] += 0.5;
-        potential(grid.origin() + at * grid.h())[along]
-    };
-    on_faces(grid, |axis, corner| {
-        let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
-        let up = |a: usize| std::array::from_fn(|i| corner[i] + usize::from(i == a));
-        ((edge(c, up(b)) - edge(c, corner)) - (edge(b, up(c)) - edge(b, corner))) / grid.h()
-    })
-}
-
-fn on_faces<T: Real, const D: usize>(
-    grid: &Grid<D>,
-    value: impl Fn(usize, [usize; D]) -> f64 + Sync,
-) -> Result<FaceField<T, D>, MediumError> {
-    let layout = grid.layout();
-    let mut u = FaceField::new(layout);
-    for axis in 0..D {
-        let region = layout.faces_region(axis, false);
-        layout.par_region(region, u.axis_mut(axis), |at| T::of(value(axis, at.cell)));
-        all_finite(layout, region, axis, u.axis(axis))?;
-    }
-    Ok(u)
 }
 
 #[cfg(test)]

@@ -2,14 +2,14 @@
 
 use cf_grid::{End, FaceField, Real};
 
-use super::sites::{CHUNK, Chunk, Sites, inside, unit};
+use super::sites::{Chunk, Sites, inside, unit};
 
 /// A moving medium over one (sub-)step.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Flow<'m, T, const D: usize> {
     /// ν per axis.
     Uniform([T; D]),
-    /// ν = ratio u, ratio = dt/h [s/m].
+    /// ν = ratio u, ratio = dt/h \[s/m\].
     Field { u: &'m FaceField<T, D>, ratio: T },
 }
 
@@ -42,19 +42,15 @@ impl<T: Real, const D: usize> Stream<'_, T, D> {
                 high.fill(nu[axis]);
             }
             Flow::Field { u, ratio } => {
-                let walls = sites.normal.map_or((false, false), |a| sites.at_walls(a, chunk.cell));
-                if sites.normal == Some(0) && !sites.edges.is_periodic(0) {
-                    means(sites, axis, chunk, u.axis(axis), ratio, (false, false), low, high);
-                    for i in [0, chunk.len - 1] {
-                        let one = chunk.one(i);
-                        let walls = sites.at_walls(0, one.cell);
-                        if walls.0 || walls.1 {
-                            let (low, high) = (&mut low[i..=i], &mut high[i..=i]);
-                            means(sites, axis, one, u.axis(axis), ratio, walls, low, high);
-                        }
+                let u = u.axis(axis);
+                rows(sites, axis, chunk, u, ratio, low, high);
+                // The ends of a row along x: wrapped, or at a wall.
+                let n = sites.layout.cells()[0];
+                for i in [0, chunk.len - 1] {
+                    let cell = chunk.one(i).cell;
+                    if cell[0] == 0 || cell[0] + 1 >= n {
+                        (low[i], high[i]) = one(sites, axis, cell, u, ratio);
                     }
-                } else {
-                    means(sites, axis, chunk, u.axis(axis), ratio, walls, low, high);
                 }
             }
         }
@@ -65,18 +61,13 @@ impl<T: Real, const D: usize> Stream<'_, T, D> {
         if sites.normal.is_none()
             && let Some(fluid) = self.fluid
         {
-            let (mut below, mut above) = ([false; CHUNK], [false; CHUNK]);
-            let own = chunk.row(&sites.layout, fluid);
-            let below = chunk.moved(sites, unit(axis, -1), fluid, &mut below);
-            let above = chunk.moved(sites, unit(axis, 1), fluid, &mut above);
-            let (first, last) = sites.span(axis);
-            let walled = !sites.edges.is_periodic(axis);
             for i in 0..chunk.len {
-                let index = chunk.cell[axis] + if axis == 0 { i } else { 0 };
-                if !(own[i] && (below[i] || walled && index == first)) {
+                let cell = chunk.one(i).cell;
+                let own = fluid[sites.layout.slot(cell)];
+                if !(own && sites.sees(fluid, cell, axis, -1)) {
                     low[i] = T::ZERO;
                 }
-                if !(own[i] && (above[i] || walled && index == last)) {
+                if !(own && sites.sees(fluid, cell, axis, 1)) {
                     high[i] = T::ZERO;
                 }
             }
@@ -97,49 +88,55 @@ impl<T: Real, const D: usize> Stream<'_, T, D> {
     }
 }
 
-/// low, high = ratio × the mean velocity on either end.
-#[allow(clippy::too_many_arguments)]
-fn means<T: Real, const D: usize>(
+/// The places whose mean velocity is that on the low and on the high end of a control volume.
+fn pairs<const D: usize>(sites: &Sites<D>, axis: usize, cell: [usize; D]) -> [[[isize; D]; 2]; 2] {
+    let (here, next) = (unit(axis, 0), unit(axis, 1));
+    let Some(normal) = sites.normal else {
+        return [[here; 2], [next; 2]];
+    };
+    let (at_low, at_high) = sites.at_walls(normal, cell);
+    if normal == axis {
+        return [inside([unit(axis, -1), here], (at_low, false)), inside([here, next], (false, at_high))];
+    }
+    let mut beside = next;
+    beside[normal] = -1;
+    [[unit(normal, -1), here], [beside, next]].map(|pair| inside(pair, (at_low, at_high)))
+}
+
+/// ν of a chunk; right but for the ends of a row along x.
+fn rows<T: Real, const D: usize>(
     sites: &Sites<D>,
     axis: usize,
     chunk: Chunk<D>,
     u: &[T],
     ratio: T,
-    walls: (bool, bool),
     low: &mut [T],
     high: &mut [T],
 ) {
-    let (here, next) = (unit(axis, 0), unit(axis, 1));
-    let (low_pair, high_pair) = match sites.normal {
-        None => ([here; 2], [next; 2]),
-        Some(a) if a == axis => ([unit(a, -1), here], [here, next]),
-        Some(a) => {
-            let mut beside = next;
-            beside[a] = -1;
-            ([unit(a, -1), here], [beside, next])
-        }
-    };
-    let (low_pair, high_pair) = match sites.normal {
-        // Along the normal each end has its own pair, of which the wall takes one away.
-        Some(a) if a == axis => (
-            inside(low_pair, (walls.0, false)),
-            inside(high_pair, (false, walls.1)),
-        ),
-        _ => (inside(low_pair, walls), inside(high_pair, walls)),
-    };
-    for (pair, out) in [(low_pair, low), (high_pair, high)] {
-        let (mut first, mut second) = ([T::ZERO; CHUNK], [T::ZERO; CHUNK]);
-        let a = chunk.moved(sites, pair[0], u, &mut first);
+    let mut cell = chunk.cell;
+    if sites.normal == Some(0) {
+        cell[0] = 1; // away from the walls, as most of the row
+    }
+    for (pair, out) in pairs(sites, axis, cell).into_iter().zip([low, high]) {
+        let a = chunk.moved(sites, pair[0], u);
         if pair[0] == pair[1] {
             for (out, &a) in out.iter_mut().zip(a) {
                 *out = ratio * a;
             }
             continue;
         }
-        let b = chunk.moved(sites, pair[1], u, &mut second);
-        let half = ratio * T::of(0.5);
+        let (b, half) = (chunk.moved(sites, pair[1], u), ratio * T::of(0.5));
         for ((out, &a), &b) in out.iter_mut().zip(a).zip(b) {
             *out = half * (a + b);
         }
     }
+}
+
+/// ν of one control volume.
+fn one<T: Real, const D: usize>(sites: &Sites<D>, axis: usize, cell: [usize; D], u: &[T], ratio: T) -> (T, T) {
+    let [low, high] = pairs(sites, axis, cell).map(|pair| {
+        let [a, b] = pair.map(|shift| u[sites.slot(cell, shift)]);
+        if pair[0] == pair[1] { ratio * a } else { ratio * T::of(0.5) * (a + b) }
+    });
+    (low, high)
 }

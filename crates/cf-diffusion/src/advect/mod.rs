@@ -39,7 +39,8 @@ use sweep::{Dilatation, Sweep};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Advection {
     /// Flux-form MUSCL with the MC limiter, split by dimension, order XY(Z) and (Z)YX in turn. Second order, conservative,
-    /// no new extrema in one dimension; sub-steps by itself above |u_a| Δt/h = 0.9.
+    /// no new extrema in one dimension; sub-steps by itself above |u_a| Δt/h = 0.9 (1 in a uniform medium, an exact
+    /// shift there).
     #[default]
     Muscl,
     /// Cubic semi-Lagrangian, midpoint trajectories, clamped to the values around the foot. Any step; not conservative.
@@ -77,7 +78,8 @@ pub struct Advector<T, const D: usize> {
 }
 
 impl<T: Real, const D: usize> Advector<T, D> {
-    /// Largest |u_a| Δt/h of a conservative sub-step.
+    /// Largest |u_a| Δt/h of a conservative sub-step in a medium whose velocity varies; 1 in a uniform one, where the
+    /// transport is then an exact shift.
     pub const COURANT: f64 = 0.9;
     /// Largest change of u_a Δt/h across a cell in a conservative sub-step; only met by flow that converges or shears
     /// on the scale of a cell.
@@ -118,7 +120,7 @@ impl<T: Real, const D: usize> Advector<T, D> {
         self.reversed = reversed;
     }
 
-    /// Longest step \[s\] without sub-steps: |u_a| Δt/h ≤ 0.9 on every axis, and a change of u_a Δt/h across a cell of at
+    /// Longest step \[s\] without sub-steps: |u_a| Δt/h ≤ 0.9 (1 if uniform) on every axis, and a change of u_a Δt/h across a cell of at
     /// most 0.5. `None` where any step is stable: semi-Lagrangian methods, a medium at rest, a refused medium.
     pub fn stable_dt(&self, medium: &Medium<T, D>) -> Option<f64> {
         let survey = medium.survey(&self.grid, &self.sides).ok()?;
@@ -130,7 +132,8 @@ impl<T: Real, const D: usize> Advector<T, D> {
     fn rate(&self, survey: &Survey<D>) -> f64 {
         let largest = |v: [f64; D]| v.into_iter().fold(0.0, f64::max);
         let (speed, change) = (largest(survey.speed), largest(survey.change));
-        (speed / Self::COURANT).max(change / Self::CHANGE) / self.grid.h()
+        let courant = if survey.uniform { 1.0 } else { Self::COURANT };
+        (speed / courant).max(change / Self::CHANGE) / self.grid.h()
     }
 
     /// Carries `phi` and, if given, the slow flux over `dt` ≥ 0 \[s\]. Values in the rim and on faces without flux are left
@@ -164,7 +167,9 @@ impl<T: Real, const D: usize> Advector<T, D> {
         let ratio = step / self.grid.h();
         let flow = match medium {
             Medium::Still => return Ok(Transported::default()),
-            Medium::Uniform(u) => Flow::Uniform(std::array::from_fn(|a| T::of(if moving[a] { u[a] * ratio } else { 0.0 }))),
+            Medium::Uniform(u) => {
+                Flow::Uniform(std::array::from_fn(|a| T::of(if moving[a] { u[a] * ratio } else { 0.0 })))
+            }
             Medium::Field(u) => Flow::Field { u, ratio: T::of(ratio) },
         };
         if matches!(flow, Flow::Field { ratio, .. } if !ratio.is_finite()) {

@@ -22,6 +22,7 @@ struct Nodes<T, const K: usize> {
 /// outermost value and the wall the sample goes over to it linearly. Feet do not cross closed walls: they stop at the
 /// outermost value. A foot whose points touch a solid takes the linear weights of the fluid corners around it, or the
 /// value of `cell` where there is none.
+#[inline(always)]
 pub(super) fn at_foot<T: Real, const D: usize, const K: usize>(
     sites: &Sites<D>,
     fluid: Option<&[bool]>,
@@ -40,6 +41,10 @@ pub(super) fn at_foot<T: Real, const D: usize, const K: usize>(
         }
         let (first, last) = sites.span(a);
         let x = cell[a] as f64 + displacement[a];
+        if x >= first as f64 && x <= last as f64 {
+            nodes[a] = walled(x, first, last);
+            continue;
+        }
         for (end, excess) in [(End::Low, first as f64 - x), (End::High, x - last as f64)] {
             let Some(edge) = sites.edges.wall(a, end).filter(|_| excess > 0.0) else { continue };
             let Some(carried) = edge.carried else { continue };
@@ -73,10 +78,11 @@ pub(super) fn at_foot<T: Real, const D: usize, const K: usize>(
     value
 }
 
+#[inline(always)]
 fn periodic<T: Real, const K: usize>(below: i64, n: usize, t: f64) -> Nodes<T, K> {
     let enclosing = K / 2 - 1;
     let first = below - enclosing as i64;
-    let index = if first >= 0 && first + K as i64 <= n as i64 {
+    let index = if first >= 0 && first <= n as i64 - K as i64 {
         std::array::from_fn(|k| first as usize + k)
     } else {
         std::array::from_fn(|k| (first + k as i64).rem_euclid(n as i64) as usize)
@@ -85,20 +91,24 @@ fn periodic<T: Real, const K: usize>(below: i64, n: usize, t: f64) -> Nodes<T, K
 }
 
 /// Near walls the points move inwards; where there are fewer than K the sample is linear.
+#[inline(always)]
 fn walled<T: Real, const K: usize>(x: f64, first: usize, last: usize) -> Nodes<T, K> {
-    let (below, _) = floor(x);
-    let below = (below as usize).min(last.saturating_sub(1)).max(first);
+    let below = (x as i64 as usize).min(last.saturating_sub(1)).max(first);
     if last - first + 1 < K {
         let t = x - below as f64;
-        let weight = std::array::from_fn(|k| T::of(if k == 0 { 1.0 - t } else if k == 1 { t } else { 0.0 }));
+        let weight = std::array::from_fn(|k| {
+            T::of(if k == 0 {
+                1.0 - t
+            } else if k == 1 {
+                t
+            } else {
+                0.0
+            })
+        });
         return Nodes { index: std::array::from_fn(|k| (below + k).min(last)), weight, enclosing: 0 };
     }
     let start = (below + 1).saturating_sub(K / 2).clamp(first, last + 1 - K);
-    Nodes {
-        index: std::array::from_fn(|k| start + k),
-        weight: weights(x - start as f64),
-        enclosing: below - start,
-    }
+    Nodes { index: std::array::from_fn(|k| start + k), weight: weights(x - start as f64), enclosing: below - start }
 }
 
 /// Lagrange weights of the points 0, 1, …, K−1 at `t`.
@@ -137,10 +147,13 @@ fn rows<T, const D: usize, const K: usize>(
     }
 }
 
+#[inline(always)]
 fn clamped<T: Real, const D: usize, const K: usize>(sites: &Sites<D>, nodes: &[Nodes<T, K>; D], field: &[T]) -> T {
     let x = &nodes[0];
     let contiguous = x.index[K - 1] == x.index[0] + K - 1;
-    let (mut sum, mut range) = (T::ZERO, None);
+    // The clamp starts from a corner of the enclosing cell.
+    let corner = field[sites.layout.slot(std::array::from_fn(|a| nodes[a].index[nodes[a].enclosing]))];
+    let (mut sum, mut low, mut high) = (T::ZERO, corner, corner);
     rows(sites, nodes, |slot, y, z| {
         let mut v = [T::ZERO; K];
         if contiguous {
@@ -161,11 +174,11 @@ fn clamped<T: Real, const D: usize, const K: usize>(sites: &Sites<D>, nodes: &[N
         sum += w * line;
         if near {
             let (a, b) = (v[x.enclosing], v[x.enclosing + 1]);
-            let (low, high) = range.unwrap_or((a, a));
-            range = Some((low.min(a).min(b), high.max(a).max(b)));
+            low = low.min(a).min(b);
+            high = high.max(a).max(b);
         }
     });
-    range.map_or(sum, |(low, high)| sum.max(low).min(high))
+    sum.max(low).min(high)
 }
 
 fn all_fluid<T, const D: usize, const K: usize>(sites: &Sites<D>, nodes: &[Nodes<T, K>; D], fluid: &[bool]) -> bool {

@@ -23,7 +23,11 @@ pub(super) fn step<T: Real, const D: usize, const K: usize>(
     let avoid = fluid.filter(|_| sites.normal.is_none());
     sites.layout.par_region(sites.region, work, |at| match fluid {
         Some(fluid) if !sites.open(fluid, at.cell) => {
-            if sites.normal.is_none() { from[at.slot()] } else { T::ZERO }
+            if sites.normal.is_none() {
+                from[at.slot()]
+            } else {
+                T::ZERO
+            }
         }
         _ => at_foot::<T, D, K>(sites, avoid, from, at.cell, displacement(sites, medium, ratio, at.cell)),
     });

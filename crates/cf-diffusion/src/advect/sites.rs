@@ -9,7 +9,7 @@ use cf_grid::{End, Layout, Region, Run, Sides, Wall};
 pub(super) struct Edge {
     /// What the medium carries in; `None` where nothing passes.
     pub carried: Option<f64>,
-    /// Distance from the outermost stored value to the wall [cells].
+    /// Distance from the outermost stored value to the wall \[cells\].
     pub reach: f64,
 }
 
@@ -58,6 +58,20 @@ impl<const D: usize> Sites<D> {
     /// First and last index along `axis` that hold a value.
     pub fn span(&self, axis: usize) -> (usize, usize) {
         (self.region.low[axis], self.region.high[axis].saturating_sub(1))
+    }
+
+    /// Slot of a cell moved by `shift`; periodic axes wrap.
+    pub fn slot(&self, mut cell: [usize; D], shift: [isize; D]) -> usize {
+        for a in 0..D {
+            let n = self.layout.cells()[a];
+            let wraps = self.edges.is_periodic(a);
+            cell[a] = match shift[a] {
+                -1 if cell[a] == 0 && wraps => n - 1,
+                1 if cell[a] + 1 == n && wraps => 0,
+                by => cell[a].saturating_add_signed(by),
+            };
+        }
+        self.layout.slot(cell)
     }
 
     /// Whether the cell `by` cells along `axis` is fluid, and every cell on the way; what lies beyond a wall counts as
@@ -134,38 +148,13 @@ impl<const D: usize> Chunk<D> {
         &field[start..start + self.len]
     }
 
-    /// Values at the chunk moved by `shift` (-1, 0 or 1 per axis). Periodic axes wrap; `buffer` is used only where the
-    /// wrap cuts the row.
-    pub fn moved<'f, V: Copy>(
-        &self,
-        sites: &Sites<D>,
-        shift: [isize; D],
-        field: &'f [V],
-        buffer: &'f mut [V],
-    ) -> &'f [V] {
-        let cells = sites.layout.cells();
-        let mut cell = self.cell;
-        for a in 1..D {
-            let moved = cell[a] as isize + shift[a];
-            let wraps = sites.edges.is_periodic(a);
-            cell[a] = if wraps { moved.rem_euclid(cells[a] as isize) as usize } else { moved.max(0) as usize };
-        }
-        let start = sites.layout.slot(cell).wrapping_add_signed(shift[0]);
-        let direct = &field[start..start + self.len];
-        let ends = (cell[0], cell[0] + self.len);
-        let (place, wrapped) = match shift[0] {
-            -1 if ends.0 == 0 => (0, cells[0] - 1),
-            1 if ends.1 == cells[0] => (self.len - 1, 0),
-            _ => return direct,
-        };
-        if !sites.edges.is_periodic(0) {
-            return direct;
-        }
-        cell[0] = wrapped;
-        let buffer = &mut buffer[..self.len];
-        buffer.copy_from_slice(direct);
-        buffer[place] = field[sites.layout.slot(cell)];
-        buffer
+    /// Values at the chunk moved by `shift` (-1, 0 or 1 per axis). Periodic axes wrap, except that along x the value
+    /// beyond the end of the row is whatever the rim holds.
+    pub fn moved<'f, V>(&self, sites: &Sites<D>, shift: [isize; D], field: &'f [V]) -> &'f [V] {
+        let mut sideways = shift;
+        sideways[0] = 0;
+        let start = sites.slot(self.cell, sideways).wrapping_add_signed(shift[0]);
+        &field[start..start + self.len]
     }
 }
 

@@ -3,7 +3,7 @@
 use cf_grid::{End, Real, Run};
 
 use super::flow::Stream;
-use super::kernel::{flux_form, uniform_five};
+use super::kernel::{Window, flux_form, flux_form_window, uniform_five, uniform_window};
 use super::sites::{CHUNK, Chunk, Sites};
 
 /// Which φ the dilatation term multiplies.
@@ -84,6 +84,9 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
 
     /// ν on the wall side of a chunk at the outermost index.
     fn wall_speeds(&self, end: End, chunk: Chunk<D>) -> Row<T> {
+        if let Some(nu) = self.stream.uniform(self.axis) {
+            return [nu; CHUNK];
+        }
         let (mut low, mut high) = ([T::ZERO; CHUNK], [T::ZERO; CHUNK]);
         let n = chunk.len;
         self.stream.speeds(self.sites, self.axis, chunk, &mut low[..n], &mut high[..n]);
@@ -98,6 +101,16 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
             *value = upwind(end, *value, inside, T::of(carried));
         }
         values
+    }
+
+    fn beyond_one(&self, end: End, chunk: Chunk<D>, inside: T) -> T {
+        let carried = self.sites.edges.wall(self.axis, end).and_then(|e| e.carried).unwrap_or(0.0);
+        let nu = self.stream.uniform(self.axis).unwrap_or_else(|| {
+            let (mut low, mut high) = ([T::ZERO], [T::ZERO]);
+            self.stream.speeds(self.sites, self.axis, chunk, &mut low, &mut high);
+            if end == End::Low { low[0] } else { high[0] }
+        });
+        upwind(end, nu, inside, T::of(carried))
     }
 
     /// A row of a sweep along y or z.
@@ -117,7 +130,7 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
             let chunk = Chunk::of(&run, &range);
             let row = |index: usize| chunk.at(axis, index).row(&sites.layout, from);
             if inner {
-                self.chunk(chunk, std::array::from_fn(|k| row(place(k))), &mut out[range]);
+                self.chunk(chunk, std::array::from_fn(|k| row(place(k))), None, &mut out[range]);
                 continue;
             }
             let below = self.beyond(End::Low, chunk.at(axis, first), row(first));
@@ -127,7 +140,7 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
                 i if i > last + 2 => &above[..chunk.len],
                 i => row(i - 2),
             });
-            self.chunk(chunk, rows, &mut out[range]);
+            self.chunk(chunk, rows, None, &mut out[range]);
         }
     }
 
@@ -140,8 +153,8 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
             let at = |i: isize| old(out, i.rem_euclid(n as isize) as usize);
             ([at(-2), at(-1)], [at(n as isize), at(n as isize + 1)])
         } else {
-            let low = self.beyond(End::Low, chunk.one(0), &[old(out, 0)])[0];
-            let high = self.beyond(End::High, chunk.one(n - 1), &[old(out, n - 1)])[0];
+            let low = self.beyond_one(End::Low, chunk.one(0), old(out, 0));
+            let high = self.beyond_one(End::High, chunk.one(n - 1), old(out, n - 1));
             ([low; 2], [high; 2])
         };
         let mut window = [T::ZERO; CHUNK + 4];
@@ -156,15 +169,15 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
             }
             let rows: [&[T]; 5] = std::array::from_fn(|k| &window[k..k + m]);
             match self.stream.uniform(0) {
-                Some(nu) => uniform_five(nu, rows, &mut out[range]),
-                None => self.chunk(Chunk::of(&run, &range), rows, &mut out[range]),
+                Some(nu) => uniform_window(nu, &window, &mut out[range]),
+                None => self.chunk(Chunk::of(&run, &range), rows, Some(&window), &mut out[range]),
             }
             window.copy_within(m..m + 2, 0);
         }
     }
 
-    /// The general step of a chunk: any velocity, any obstacle.
-    fn chunk(&self, chunk: Chunk<D>, rows: [&[T]; 5], out: &mut [T]) {
+    /// The general step of a chunk: any velocity, any obstacle. Along x the rows are stretches of one window.
+    fn chunk(&self, chunk: Chunk<D>, rows: [&[T]; 5], window: Option<&Window<T>>, out: &mut [T]) {
         let (n, sites) = (chunk.len, self.sites);
         let (mut low, mut high, mut add) = ([T::ZERO; CHUNK], [T::ZERO; CHUNK], [T::ZERO; CHUNK]);
         let (low, high, add) = (&mut low[..n], &mut high[..n], &mut add[..n]);
@@ -196,9 +209,10 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
         if !matches!(self.dilatation, Dilatation::Own(_)) {
             self.stream.speeds(sites, self.axis, chunk, low, high);
         }
-        match self.stream.fluid {
-            None => flux_form(rows, low, high, add, out),
-            Some(fluid) => self.chunk_with_solids(fluid, chunk, rows, low, high, add, out),
+        match (self.stream.fluid, window) {
+            (None, Some(window)) => flux_form_window(window, low, high[n - 1], add, out),
+            (None, None) => flux_form(rows, low, high, add, out),
+            (Some(fluid), _) => self.chunk_with_solids(fluid, chunk, rows, low, high, add, out),
         }
     }
 

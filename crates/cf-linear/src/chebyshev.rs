@@ -41,3 +41,12 @@ pub(crate) fn iterate<T: Real, const D: usize>(
 pub(crate) fn radius(alpha: f64, conductance: f64) -> f64 {
     conductance / (alpha + conductance)
 }
+
+/// Iterations that reduce the error by `reduction`: N = acosh(1/reduction)/acosh(1/radius).
+pub(crate) fn count(radius: f64, reduction: f64) -> usize {
+    if radius == 0.0 {
+        return 1;
+    }
+    let count = (1.0 / reduction.clamp(1e-300, 1.0)).acosh() / (1.0 / radius).acosh();
+    if count.is_finite() { (count.ceil() as usize).max(1) } else { usize::MAX }
+}

@@ -14,6 +14,8 @@ pub(crate) struct CoarseSolver<const D: usize> {
     layout: Layout<D>,
     factor: Llt<f64>,
     rhs: Mat<f64>,
+    /// Cells joined to nothing: their value is a constant, which callers know.
+    lonely: Vec<usize>,
 }
 
 impl<const D: usize> CoarseSolver<D> {
@@ -36,13 +38,16 @@ impl<const D: usize> CoarseSolver<D> {
         }
         let mut held = Vec::with_capacity(n);
         layout.each_cell(layout.cells_region(), |at| held.push(operator.touches_wall(at)));
+        let mut lonely = Vec::new();
         for component in components(&a) {
-            let diagonal: f64 = component.iter().map(|&i| a[(i, i)]).sum();
-            if diagonal == 0.0 {
-                component.iter().for_each(|&i| a[(i, i)] = 1.0);
+            if component.iter().any(|&i| held[i]) {
                 continue;
             }
-            if !component.iter().any(|&i| held[i]) {
+            if let [i] = component[..] {
+                a[(i, i)] = 1.0;
+                lonely.push(i);
+            } else {
+                let diagonal: f64 = component.iter().map(|&i| a[(i, i)]).sum();
                 let shift = diagonal / (component.len() * component.len()) as f64;
                 for &i in &component {
                     for &j in &component {
@@ -54,13 +59,16 @@ impl<const D: usize> CoarseSolver<D> {
         // Rounding in T may have broken symmetry in the last digit.
         let a = Mat::from_fn(n, n, |i, j| 0.5 * (a[(i, j)] + a[(j, i)]));
         let factor = a.llt(Side::Lower).ok()?;
-        Some(Self { layout, factor, rhs: Mat::zeros(n, 1) })
+        Some(Self { layout, factor, rhs: Mat::zeros(n, 1), lonely })
     }
 
     /// x = A⁻¹ b.
     pub fn solve<T: Real>(&mut self, b: &[T], x: &mut [T]) {
         for (i, slot) in each_slot(&self.layout).enumerate() {
             self.rhs[(i, 0)] = b[slot].f64();
+        }
+        for &i in &self.lonely {
+            self.rhs[(i, 0)] = 0.0;
         }
         self.factor.solve_in_place(self.rhs.as_mut());
         for (i, slot) in each_slot(&self.layout).enumerate() {

@@ -4,66 +4,89 @@
 //! solution is mean(b)/alpha; the solver only sees what is left, so pure Poisson problems are solvable and huge kappa
 //! loses nothing in `f32` (model/diffusion.md 5.6, 5.7).
 
-use cf_grid::{Components, Layout, Real, row_sum};
+use cf_grid::{Layout, Real};
 
 use crate::helmholtz::Helmholtz;
 
 /// Which constants there are.
 #[derive(Debug, Clone)]
 pub(crate) enum Deflation {
-    /// Some wall conducts.
+    /// Every cell is joined to a conducting wall, or no cell to anything.
     None,
     /// The whole box.
     Whole,
-    /// One per connected component of a mask that touches no conducting wall.
-    Components(Components),
+    /// One per connected component that touches no conducting wall.
+    Components(Floating),
+}
+
+/// Components that no conducting wall touches: the largest as flags, the others as lists.
+#[derive(Debug, Clone)]
+pub(crate) struct Floating {
+    main: Vec<bool>,
+    main_cells: usize,
+    others: Vec<Vec<usize>>,
 }
 
 impl Deflation {
     pub fn new<const D: usize>(helmholtz: &Helmholtz<'_, D>) -> Self {
-        match helmholtz.mask() {
-            _ if !helmholtz.conserves() => match helmholtz.mask() {
-                None => Self::None,
-                Some(mask) => floating(helmholtz, mask.components(helmholtz.walls())),
-            },
-            None => Self::Whole,
-            Some(mask) => Self::Components(mask.components(helmholtz.walls())),
+        if helmholtz.is_diagonal() {
+            Self::None
+        } else if helmholtz.is_stored() {
+            floating(helmholtz)
+        } else if helmholtz.conserves() {
+            Self::Whole
+        } else {
+            Self::None
         }
     }
 
-    /// Mean of each component.
+    /// Mean of each component, the largest component first.
     pub fn means<T: Real, const D: usize>(&self, layout: &Layout<D>, x: &[T]) -> Vec<f64> {
         match self {
             Self::None => Vec::new(),
-            Self::Whole => {
-                let sum: f64 = layout.par_runs(layout.cells_region(), (), |run, ()| row_sum(run.row(x)));
-                vec![sum / layout.count() as f64]
-            }
+            Self::Whole => vec![layout.sum(x) / layout.count() as f64],
             Self::Components(c) => {
-                let mut sums = vec![0.0; c.cells.len()];
-                for (v, &label) in x.iter().zip(&c.label) {
-                    if label > 0 {
-                        sums[label as usize - 1] += v.f64();
-                    }
-                }
-                sums.iter().zip(&c.cells).map(|(s, &n)| if n > 0 { s / n as f64 } else { 0.0 }).collect()
+                let main: f64 = layout.par_runs(layout.cells_region(), (), |run, ()| {
+                    let cells = run.row(x).iter().zip(run.row(&c.main));
+                    cells.map(|(v, &inside)| if inside { v.f64() } else { 0.0 }).sum::<f64>()
+                });
+                let others = c.others.iter().map(|slots| {
+                    let sum: f64 = slots.iter().map(|&s| x[s].f64()).sum();
+                    sum / slots.len() as f64
+                });
+                std::iter::once(main / c.main_cells as f64).chain(others).collect()
             }
         }
     }
 
-    /// x += value of each component.
+    /// x += value of each component, rounded once.
     pub fn shift<T: Real, const D: usize>(&self, layout: &Layout<D>, x: &mut [T], values: &[f64]) {
+        if !values.is_empty() {
+            self.scale_and_shift(layout, x, 1.0, values);
+        }
+    }
+
+    /// x = factor · x + value of each component (rounded once, but in small components). `values` may be empty.
+    pub fn scale_and_shift<T: Real, const D: usize>(
+        &self,
+        layout: &Layout<D>,
+        x: &mut [T],
+        factor: f64,
+        values: &[f64],
+    ) {
+        let (first, rest) = values.split_first().map_or((0.0, values), |(first, rest)| (*first, rest));
         match self {
-            Self::None => {}
-            Self::Whole => {
-                let value = T::of(values[0]);
-                layout.par_runs(layout.cells_region(), x, |_, row: &mut [T]| row.iter_mut().for_each(|v| *v += value));
-            }
+            Self::None | Self::Whole => layout.par_runs(layout.cells_region(), x, |_, row: &mut [T]| {
+                row.iter_mut().for_each(|v| *v = T::of(v.f64() * factor + first));
+            }),
             Self::Components(c) => {
-                for (v, &label) in x.iter_mut().zip(&c.label) {
-                    if label > 0 {
-                        *v += T::of(values[label as usize - 1]);
+                layout.par_runs(layout.cells_region(), &mut *x, |run, row: &mut [T]| {
+                    for (v, &inside) in row.iter_mut().zip(run.row(&c.main)) {
+                        *v = T::of(v.f64() * factor + if inside { first } else { 0.0 });
                     }
+                });
+                for (slots, value) in c.others.iter().zip(rest) {
+                    slots.iter().for_each(|&s| x[s] = T::of(x[s].f64() + value));
                 }
             }
         }
@@ -71,45 +94,49 @@ impl Deflation {
 
     /// Subtracts the means and returns them.
     pub fn project<T: Real, const D: usize>(&self, layout: &Layout<D>, x: &mut [T]) -> Vec<f64> {
-        let mut means = self.means(layout, x);
-        means.iter_mut().for_each(|m| *m = -*m);
-        self.shift(layout, x, &means);
-        means.iter_mut().for_each(|m| *m = -*m);
+        let means = self.means(layout, x);
+        let negative: Vec<f64> = means.iter().map(|m| -m).collect();
+        self.shift(layout, x, &negative);
         means
     }
 }
 
-/// Keeps only the components that no conducting wall touches.
-fn floating<const D: usize>(helmholtz: &Helmholtz<'_, D>, mut components: Components) -> Deflation {
+/// Flood fill over conducting faces; components joined to a conducting wall are dropped.
+fn floating<const D: usize>(helmholtz: &Helmholtz<'_, D>) -> Deflation {
     let layout = helmholtz.layout();
-    let mut held = vec![false; components.cells.len()];
-    for (axis, end, w) in helmholtz.walls().walls() {
-        if w == 0.0 {
-            continue;
+    let mut seen = vec![false; layout.slots()];
+    let (mut found, mut queue) = (Vec::new(), Vec::new());
+    layout.each_cell(layout.cells_region(), |at| {
+        if seen[at.slot()] || !helmholtz.is_fluid(at.cell) {
+            return;
         }
-        let mut region = layout.cells_region();
-        match end {
-            cf_grid::End::Low => region.high[axis] = 1,
-            cf_grid::End::High => region.low[axis] = layout.cells()[axis] - 1,
-        }
-        layout.each_cell(region, |at| {
-            if let Some(i) = components.label[at.slot()].checked_sub(1) {
-                held[i as usize] = true;
+        let (mut slots, mut held) = (Vec::new(), false);
+        seen[at.slot()] = true;
+        queue.push(at.cell);
+        while let Some(cell) = queue.pop() {
+            slots.push(layout.slot(cell));
+            for (neighbour, conductance) in helmholtz.faces_of(cell) {
+                match neighbour {
+                    _ if conductance == 0.0 => {}
+                    None => held = true,
+                    Some(next) => {
+                        let slot = layout.slot(next);
+                        if !std::mem::replace(&mut seen[slot], true) {
+                            queue.push(next);
+                        }
+                    }
+                }
             }
-        });
-    }
-    if held.iter().all(|&h| h) {
-        return Deflation::None;
-    }
-    for label in &mut components.label {
-        if *label > 0 && held[*label as usize - 1] {
-            *label = 0;
         }
-    }
-    for (cells, &held) in components.cells.iter_mut().zip(&held) {
-        if held {
-            *cells = 0;
+        if !held {
+            found.push(slots);
         }
-    }
-    Deflation::Components(components)
+    });
+    // Largest first; the sort is stable, so that the order is that of the first cells otherwise.
+    found.sort_by_key(|slots| std::cmp::Reverse(slots.len()));
+    let mut found = found.into_iter();
+    let Some(largest) = found.next() else { return Deflation::None };
+    let mut main = vec![false; layout.slots()];
+    largest.iter().for_each(|&s| main[s] = true);
+    Deflation::Components(Floating { main, main_cells: largest.len(), others: found.collect() })
 }

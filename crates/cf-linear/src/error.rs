@@ -34,4 +34,14 @@ pub enum SolveError {
         /// The value found.
         value: f64,
     },
+    /// A field, mask or share of another layout.
+    #[error("expected {what} of {expected} slots, found {found}; it must come from the operator's layout")]
+    Length {
+        /// Which.
+        what: &'static str,
+        /// Slots of the operator's layout.
+        expected: usize,
+        /// Slots found.
+        found: usize,
+    },
 }

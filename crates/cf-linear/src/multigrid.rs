@@ -37,7 +37,8 @@ impl<T: Real, const D: usize> Multigrid<T, D> {
     pub fn new(helmholtz: &Helmholtz<'_, D>) -> Self {
         let finest = helmholtz.level::<T>();
         let (mut transfers, mut coarser): (Vec<_>, Vec<Level<T, D>>) = (Vec::new(), Vec::new());
-        let mut strength = if helmholtz.alpha() > 0.0 { helmholtz.kappa() / helmholtz.alpha() } else { f64::INFINITY };
+        let kappa = helmholtz.kappa() * helmholtz.largest_share();
+        let mut strength = if helmholtz.alpha() > 0.0 { kappa / helmholtz.alpha() } else { f64::INFINITY };
         let coarsest = loop {
             let current = coarser.last().map_or(&finest, |l| &l.operator);
             let cells = current.layout.count();
@@ -131,6 +132,7 @@ fn cycle<T: Real, const D: usize>(
     operator.smooth(b, x, false);
     scratch.fill(T::ZERO);
     operator.residual(b, x, scratch);
+    transfers[0].weigh(scratch);
     operator.wrap(scratch);
     transfers[0].restrict(scratch, &mut next.b);
     cycle(&next.operator, &transfers[1..], below, coarsest, &next.b, &mut next.x, &mut next.scratch);

@@ -31,6 +31,8 @@ pub(crate) struct Norms {
     pub two: f64,
     /// Max-norm.
     pub largest: f64,
+    /// Max-norm of the solution it belongs to, the measure of the rounding floor.
+    pub solution: f64,
 }
 
 /// Largest |mean| of a residual, relative to its 2-norm per cell, that is left in it.
@@ -42,7 +44,8 @@ pub(crate) trait Preconditioner<T> {
 }
 
 /// Runs from residual `v.r` (norms `start`) and solution `x` until `done` accepts the norms, or `limit` iterations are
-/// made. Returns iterations and norms; `done` is also told max|x| when progress stalls, to recognise the rounding floor.
+/// made. Returns the iterations.
+#[allow(clippy::too_many_arguments)]
 pub(crate) fn iterate<T: Real, const D: usize>(
     operator: &LevelOperator<T, D>,
     preconditioner: &mut impl Preconditioner<T>,
@@ -52,19 +55,19 @@ pub(crate) fn iterate<T: Real, const D: usize>(
     start: Norms,
     done: impl Fn(Norms) -> bool,
     limit: usize,
-) -> (usize, Norms) {
+) -> usize {
     let layout = operator.layout;
     let cells = layout.cells_region();
     let mut norms = start;
     let mut previous = 0.0;
     for iteration in 0..limit {
         if done(norms) {
-            return (iteration, norms);
+            return iteration;
         }
         preconditioner.precondition(&v.r, norms.largest, &mut v.z, &mut v.ap);
         let (rho, means) = inner_product(&layout, deflation, &v.r, &mut v.z);
         if !rho.is_finite() || rho <= 0.0 {
-            return (iteration, norms);
+            return iteration;
         }
         let (momentum, mean) = (T::of(if iteration == 0 { 0.0 } else { rho / previous }), T::of(means));
         previous = rho;
@@ -85,11 +88,11 @@ pub(crate) fn iterate<T: Real, const D: usize>(
         }
         let curvature = operator.apply(&mut v.p, &mut v.ap);
         if !curvature.is_finite() || curvature <= 0.0 {
-            return (iteration, norms);
+            return iteration;
         }
         let step = T::of(rho / curvature);
         let (p, ap) = (&v.p[..], &v.ap[..]);
-        let (square, sum, largest): (f64, f64, Max) =
+        let (square, sum, (largest, solution)): (f64, f64, (Max, Max)) =
             layout.par_runs(cells, (&mut *x, &mut v.r[..]), |run, (x, r): (&mut [T], &mut [T])| {
                 for (x, &p) in x.iter_mut().zip(run.row(p)) {
                     *x += step * p;
@@ -97,9 +100,9 @@ pub(crate) fn iterate<T: Real, const D: usize>(
                 for (r, &ap) in r.iter_mut().zip(run.row(ap)) {
                     *r -= step * ap;
                 }
-                (row_dot(r, r), row_sum(r), Max(row_largest(r)))
+                (row_dot(r, r), row_sum(r), (Max(row_largest(r)), Max(row_largest(x))))
             });
-        norms = Norms { two: square.sqrt(), largest: largest.0 };
+        norms = Norms { two: square.sqrt(), largest: largest.0, solution: solution.0 };
         // Rounding slowly gives the residual a constant part, which no correction can remove.
         let drifted = match deflation {
             Deflation::None => false,
@@ -110,29 +113,36 @@ pub(crate) fn iterate<T: Real, const D: usize>(
             deflation.project(&layout, &mut v.r);
         }
     }
-    (limit, norms)
+    limit
 }
 
+/// Largest absolute value of a row; NaN if any value is NaN.
 #[inline(always)]
 pub(crate) fn row_largest<T: Real>(r: &[T]) -> f64 {
-    // Comparing squares of sums would lose NaN; Max keeps it.
+    // A NaN gets in, and nothing is larger than it.
+    let larger = |m: T, v: T| {
+        let v = v.abs();
+        if v <= m { m } else { v }
+    };
+    let keep = |m: T, v: T| if m.partial_cmp(&m).is_none() { m } else { larger(m, v) };
     let mut lanes = [T::ZERO; 8];
-    let mut finite = true;
     let chunks = r.chunks_exact(8);
-    let tail = chunks.remainder();
+    let mut largest = chunks.remainder().iter().fold(T::ZERO, |m, &v| keep(m, v));
     for c in chunks {
         for l in 0..8 {
-            let v = c[l].abs();
-            lanes[l] = lanes[l].max(v);
-            finite &= v < T::of(f64::MAX) || v.is_finite();
+            lanes[l] = keep(lanes[l], c[l]);
         }
     }
-    let mut largest = lanes.iter().fold(T::ZERO, |m, &v| m.max(v));
-    for v in tail {
-        finite &= v.is_finite();
-        largest = largest.max(v.abs());
+    for &l in &lanes {
+        largest = keep(largest, l);
     }
-    if finite { largest.f64() } else { f64::NAN }
+    largest.f64()
+}
+
+/// Largest absolute value over all cells; NaN if any value is NaN.
+pub(crate) fn largest<T: Real, const D: usize>(layout: &Layout<D>, x: &[T]) -> f64 {
+    let largest: Max = layout.par_runs(layout.cells_region(), (), |run, ()| Max(row_largest(run.row(x))));
+    largest.0
 }
 
 /// r·z without the constants of z, and the mean of z to be left out of it (components are projected in place).

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::chebyshev;
+
 /// A solver choice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Plan {
@@ -43,9 +45,11 @@ impl Plan {
         let digits = -tolerance.clamp(1e-16, 0.5).log10();
         let multigrid = MULTIGRID_PASSES * (1.0 + digits * multigrid_rate(kappa / alpha));
         if alpha > 0.0 {
-            let count = chebyshev_count(dimension, alpha, kappa, tolerance);
+            // The largest diagonal counts, and a wall may conduct more than an inner face.
+            let strength = 0.5 * (kappa + kappa.max(wall));
+            let count = chebyshev_count(dimension, alpha, strength, tolerance);
             let passes = CHEBYSHEV_PASSES * count as f64;
-            if kappa <= 4.0 * alpha && passes <= multigrid {
+            if strength <= 4.0 * alpha && passes <= multigrid {
                 return Choice {
                     plan: Plan::Chebyshev,
                     reason: format!(
@@ -75,12 +79,7 @@ fn multigrid_rate(kappa: f64) -> f64 {
 
 /// N = acosh(1/tol)/acosh(1 + alpha/(2 d kappa)): iterations of Chebyshev on [alpha, alpha + 4 d kappa] (model 5.3).
 pub fn chebyshev_count(dimension: usize, alpha: f64, kappa: f64, tolerance: f64) -> usize {
-    if kappa == 0.0 {
-        return 1;
-    }
-    let gap = 1.0 + alpha / (2.0 * dimension as f64 * kappa);
-    let count = (1.0 / tolerance.clamp(1e-300, 1.0)).acosh() / gap.acosh();
-    if count.is_finite() { (count.ceil() as usize).max(1) } else { usize::MAX }
+    chebyshev::count(chebyshev::radius(alpha, 2.0 * dimension as f64 * kappa), tolerance)
 }
 
 #[cfg(test)]

@@ -35,7 +35,7 @@ pub(crate) trait Stencil<T: Real, const D: usize>: Sync {
     fn relax(&self, run: &Run<'_, D>, row: &mut [T], near: Rows<'_, T, D>, b: &[T], colour: usize);
 }
 
-/// Cells handled at once between a row and its copy on the stack.
+/// Cells whose sums are formed at once on the stack.
 const CHUNK: usize = 64;
 
 /// Uniform coefficients on a tensor-product box.
@@ -59,7 +59,10 @@ impl<const D: usize> BoxStencil<D> {
     fn row_weights<T: Real>(&self, run: &Run<'_, D>) -> RowWeights<T, D> {
         let inner = self.axes[0].width[0];
         let area: f64 = (1..D).map(|a| self.axes[a].width[run.cell[a]]).product();
-        let cut = |a: usize, i: usize| self.axes[a].face[i] * inner * area / self.axes[a].width[run.cell[a]];
+        let cut = |a: usize, i: usize| {
+            let others = (1..D).filter(|&o| o != a).map(|o| self.axes[o].width[run.cell[o]]);
+            self.axes[a].face[i] * inner * others.product::<f64>()
+        };
         let low: [f64; D] = std::array::from_fn(|a| if a == 0 { 0.0 } else { cut(a, run.cell[a]) });
         let high: [f64; D] = std::array::from_fn(|a| if a == 0 { 0.0 } else { cut(a, run.cell[a] + 1) });
         let mass = self.alpha * inner * area;
@@ -185,23 +188,27 @@ impl<T: Real, const D: usize> Stencil<T, D> for BoxStencil<D> {
             }
         }
         let inverse = T::of(1.0 / (w.diagonal + 2.0 * w.x.f64()));
-        let mut copy = [T::ZERO; CHUNK + 2];
+        // All sums of a chunk at once, which is faster than every other one; then those of the colour are stored.
+        let mut sums = [T::ZERO; CHUNK];
         let mut i = inner.start;
         while i < inner.end {
             let n = CHUNK.min(inner.end - i);
             let t = i - first;
-            let copy = &mut copy[..n + 2];
-            copy.copy_from_slice(&row[i..i + n + 2]);
-            let low: [&[T]; D] = std::array::from_fn(|a| &near.low[a][t..t + n]);
-            let high: [&[T]; D] = std::array::from_fn(|a| &near.high[a][t..t + n]);
-            let (b, out) = (&b[t..t + n], &mut row[i + 1..i + 1 + n]);
-            let phase = usize::from(!meant(i));
-            for k in 0..n {
-                let mut sum = b[k] + w.x * (copy[k] + copy[k + 2]);
-                for a in 1..D {
-                    sum += w.low[a] * low[a][k] + w.high[a] * high[a][k];
+            let sums = &mut sums[..n];
+            let beside = row[i..i + n].iter().zip(&row[i + 2..i + 2 + n]);
+            for ((sum, &b), (&l, &r)) in sums.iter_mut().zip(&b[t..t + n]).zip(beside) {
+                *sum = b + w.x * (l + r);
+            }
+            for a in 1..D {
+                let pairs = near.low[a][t..t + n].iter().zip(&near.high[a][t..t + n]);
+                for (sum, (&l, &h)) in sums.iter_mut().zip(pairs) {
+                    *sum += w.low[a] * l + w.high[a] * h;
                 }
-                out[k] = if k % 2 == phase { inverse * sum } else { copy[k + 1] };
+            }
+            let phase = usize::from(!meant(i));
+            let own = row[i + 1 + phase..i + 1 + n.max(phase)].chunks_mut(2);
+            for (pair, sums) in own.zip(sums[phase.min(n)..].chunks(2)) {
+                pair[0] = inverse * sums[0];
             }
             i += n;
         }
@@ -213,7 +220,8 @@ impl<T: Real, const D: usize> Stencil<T, D> for BoxStencil<D> {
 pub(crate) struct StoredStencil<T, const D: usize> {
     pub mass: Vec<T>,
     pub face: [Vec<T>; D],
-    /// 1/diagonal, zero in solid cells, which keeps them at zero.
+    /// 1/diagonal; zero in cells without a conducting face, solid or lonely, which keeps them at zero: the value of a
+    /// lonely fluid cell is a constant, which [`Deflation`](crate::deflate::Deflation) knows.
     pub inverse: Vec<T>,
 }
 
@@ -222,11 +230,12 @@ impl<T: Real, const D: usize> StoredStencil<T, D> {
     pub fn new(layout: &Layout<D>, mass: &[f64], face: &[Vec<f64>; D]) -> Self {
         let mut inverse = vec![T::ZERO; layout.slots()];
         layout.par_cells(&mut inverse, |at| {
-            let sum: f64 = mass[at.slot()] + (0..D).map(|a| face[a][at.slot()] + face[a][at.high(a)]).sum::<f64>();
-            T::of(if sum > 0.0 { 1.0 / sum } else { 0.0 })
+            let sum: f64 = (0..D).map(|a| face[a][at.slot()] + face[a][at.high(a)]).sum();
+            let inverse = T::of(if sum > 0.0 { 1.0 / (mass[at.slot()] + sum) } else { 0.0 });
+            if inverse.is_finite() { inverse } else { T::ZERO }
         });
-        let round = |v: &Vec<f64>| v.iter().map(|&x| T::of(x)).collect();
-        Self { mass: round(&mass.to_vec()), face: std::array::from_fn(|a| round(&face[a])), inverse }
+        let round = |v: &[f64]| v.iter().map(|&x| T::of(x)).collect();
+        Self { mass: round(mass), face: std::array::from_fn(|a| round(&face[a])), inverse }
     }
 }
 

@@ -1,4 +1,4 @@
-//! When a solve is good enough.
+//! When a solve is good enough, and what it leaves behind.
 
 /// Which residual is measured against what. Residuals are those of A x = b itself, in the units of b.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,10 +16,37 @@ pub struct Statistics {
     pub iterations: usize,
     /// ‖b‖₂ of the right-hand side after the constants were removed.
     pub rhs: f64,
-    /// ‖r‖₂ reached (as the iteration tracked it).
+    /// ‖r‖₂ reached, of the solution as it is before its constants are added.
     pub residual: f64,
     /// max|r| reached.
     pub largest: f64,
-    /// The residual stopped at the rounding floor 8 eps (1 + 4 D kappa) max|x| above the tolerance.
+    /// The residual is above the tolerance, but at the rounding floor 8 eps (alpha + 4 D kappa) max|x| (for conserving
+    /// operators max|x - mean|).
     pub at_floor: bool,
+}
+
+/// A solution written as constants plus a scaled deviation: x = constant(component) + factor · y. Conserving operators
+/// have one constant per connected component ([`Solver::add_constants`](crate::Solver::add_constants)); others have none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Deviation {
+    /// Multiplies y.
+    pub factor: f64,
+    /// mean(b)/alpha per component, the largest first; zeros for a Poisson problem.
+    pub constants: Vec<f64>,
+    /// Mean of b per component that a Poisson problem cannot satisfy; it was left out.
+    pub removed: Vec<f64>,
+    /// What the solve did.
+    pub statistics: Statistics,
+}
+
+impl Deviation {
+    /// The same in a larger unit.
+    pub(crate) fn times(mut self, unit: f64) -> Self {
+        self.factor *= unit;
+        self.constants.iter_mut().chain(&mut self.removed).for_each(|c| *c *= unit);
+        self.statistics.rhs *= unit;
+        self.statistics.residual *= unit;
+        self.statistics.largest *= unit;
+        self
+    }
 }

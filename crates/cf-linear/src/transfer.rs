@@ -87,16 +87,19 @@ impl<T: Real, const D: usize> Transfer<T, D> {
         (0..D).map(|a| (index[a] + 1) as usize * layout.stride(a)).sum()
     }
 
-    /// coarse = Pᵀ fine. `fine`'s rim must be wrapped along periodic axes and zero elsewhere; its values are consumed.
-    pub fn restrict(&self, fine: &mut [T], coarse: &mut [T]) {
+    /// The first part of Pᵀ, before the rim is wrapped: over obstacles `fine` is multiplied by the scale of its rows.
+    pub fn weigh(&self, fine: &mut [T]) {
         if let Some(scale) = &self.renormalise {
-            self.fine.par_runs(self.fine.cells_region(), &mut *fine, |run, row: &mut [T]| {
+            self.fine.par_runs(self.fine.cells_region(), fine, |run, row: &mut [T]| {
                 for (v, &s) in row.iter_mut().zip(run.row(scale)) {
                     *v *= s;
                 }
             });
         }
-        let fine = &*fine;
+    }
+
+    /// coarse = Pᵀ fine, for a weighed `fine` whose rim is wrapped along periodic axes and zero elsewhere.
+    pub fn restrict(&self, fine: &[T], coarse: &mut [T]) {
         let x = &self.axes[0];
         let n = self.fine.cells()[0];
         self.coarse.par_runs(self.coarse.cells_region(), coarse, |run, out: &mut [T]| {
@@ -145,9 +148,11 @@ impl<T: Real, const D: usize> Transfer<T, D> {
     pub fn prolong_add(&self, coarse: &[T], fine: &mut [T]) {
         let x = &self.axes[0];
         let (n, m) = (self.fine.cells()[0], self.coarse.cells()[0]);
+        let children = if x.coarsened { 2 } else { 1 };
+        let (near, far) = (T::of(0.75), T::of(0.25));
         self.fine.par_runs(self.fine.cells_region(), fine, |run, out: &mut [T]| {
             let scale = self.renormalise.as_deref().map(|s| run.row(s));
-            let mut sum = [T::ZERO; CHUNK + 2];
+            let (mut sum, mut values) = ([T::ZERO; CHUNK + 2], [T::ZERO; 2 * CHUNK]);
             let mut start = 0;
             while start < m {
                 let count = CHUNK.min(m - start);
@@ -161,25 +166,129 @@ impl<T: Real, const D: usize> Transfer<T, D> {
                         *s += weight * v;
                     }
                 }
-                let children = if x.coarsened { 2 } else { 1 };
-                let last = (children * (start + count)).min(n);
-                for i in children * start..last {
+                let (first, last) = (children * start, (children * (start + count)).min(n));
+                let values = &mut values[..last - first];
+                let inner = if x.coarsened { self.inner(start, count) } else { start..start };
+                let parents = sum[inner.start - start..inner.end - start + 2].windows(3);
+                let pairs = values[children * (inner.start - start)..].chunks_exact_mut(2);
+                for (pair, c) in pairs.zip(parents) {
+                    pair[0] = near * c[1] + far * c[0];
+                    pair[1] = near * c[1] + far * c[2];
+                }
+                for i in (first..children * inner.start).chain(children * inner.end..last) {
                     let k = i / children - start + 1;
                     let neighbour = if i % 2 == 1 { k + 1 } else { k - 1 };
-                    let mut value = if x.coarsened && i > 0 && i + 3 < n {
-                        T::of(0.75) * sum[k] + T::of(0.25) * sum[neighbour]
-                    } else if x.other[i] != 0.0 {
-                        T::of(x.own[i]) * sum[k] + T::of(x.other[i]) * sum[neighbour]
-                    } else {
-                        T::of(x.own[i]) * sum[k]
-                    };
-                    if let Some(scale) = scale {
-                        value *= scale[i];
+                    values[i - first] = T::of(x.own[i]) * sum[k];
+                    if x.other[i] != 0.0 {
+                        values[i - first] += T::of(x.other[i]) * sum[neighbour];
                     }
-                    out[i] += value;
                 }
+                if let Some(scale) = scale {
+                    values.iter_mut().zip(&scale[first..last]).for_each(|(v, &s)| *v *= s);
+                }
+                out[first..last].iter_mut().zip(&*values).for_each(|(out, &v)| *out += v);
                 start += count;
             }
+        });
+    }
+
+    /// Those of `count` coarse cells from `start` on whose children have the weights 3/4 and 1/4.
+    fn inner(&self, start: usize, count: usize) -> std::ops::Range<usize> {
+        let n = self.fine.cells()[0];
+        let end = start + count;
+        let from = start.max(1).min(end);
+        from..n.saturating_sub(4).div_ceil(2).clamp(from, end)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::axis::AxisTable;
+
+    const SIZES: [usize; 11] = [1, 2, 3, 4, 5, 7, 8, 13, 64, 127, 261];
+
+    fn walls() -> [Option<[f64; 2]>; 4] {
+        [None, Some([0.0; 2]), Some([2.0, 2.0]), Some([0.0, 0.3])]
+    }
+
+    fn transfer<const D: usize>(cells: [usize; D], walls: [Option<[f64; 2]>; D]) -> (Transfer<f64, D>, [bool; D]) {
+        let pairs: [_; D] = std::array::from_fn(|a| AxisTable::new(cells[a], 1.0, walls[a]).coarsen());
+        let coarse = Layout::new(pairs.each_ref().map(|p| p.0.len())).unwrap();
+        let axes = pairs.map(|p| p.1);
+        (Transfer { fine: Layout::new(cells).unwrap(), coarse, axes, renormalise: None }, walls.map(|w| w.is_none()))
+    }
+
+    fn field<const D: usize>(layout: &Layout<D>, periodic: [bool; D], value: impl Fn(usize) -> f64) -> Vec<f64> {
+        let mut x = vec![0.0; layout.slots()];
+        layout.each_cell(layout.cells_region(), |at| x[at.slot()] = value(at.slot()));
+        (0..D).filter(|&a| periodic[a]).for_each(|a| layout.wrap_rim(a, &mut x));
+        x
+    }
+
+    /// x·P y = Pᵀ x·y for everything at once, and P 1 = 1 away from conducting walls.
+    fn check<const D: usize>(cells: [usize; D], walls: [Option<[f64; 2]>; D], scaled: bool) {
+        let (mut t, periodic) = transfer(cells, walls);
+        if scaled {
+            t.renormalise = Some(field(&t.fine, [false; D], |s| (s % 5) as f64 / 3.0));
+        }
+        let noise = |s: usize| ((s * 7919 + 13) % 1009) as f64 / 1009.0 - 0.4;
+        let (mut x, y) = (field(&t.fine, periodic, noise), field(&t.coarse, periodic, noise));
+        let original = x.clone();
+        let (mut py, mut rx) = (vec![0.0; t.fine.slots()], vec![0.0; t.coarse.slots()]);
+        t.prolong_add(&y, &mut py);
+        t.weigh(&mut x);
+        (0..D).filter(|&a| periodic[a]).for_each(|a| t.fine.wrap_rim(a, &mut x));
+        t.restrict(&x, &mut rx);
+        let (left, right) = (t.fine.dot(&original, &py), t.coarse.dot(&rx, &y));
+        assert!(
+            (left - right).abs() <= 1e-12 * (1.0 + left.abs()) * cells[0] as f64,
+            "{cells:?} {walls:?}: {left} {right}"
+        );
+        if !scaled && walls.iter().all(|w| w.is_none_or(|w| w == [0.0; 2])) {
+            let one = field(&t.coarse, periodic, |_| 1.0);
+            let mut p1 = vec![0.0; t.fine.slots()];
+            t.prolong_add(&one, &mut p1);
+            t.fine.each_cell(t.fine.cells_region(), |at| {
+                assert!((p1[at.slot()] - 1.0).abs() < 1e-15, "{cells:?} {walls:?} at {:?}", at.cell);
+            });
+        }
+    }
+
+    #[test]
+    fn restriction_is_the_transpose_of_prolongation() {
+        for nx in SIZES {
+            for wx in walls() {
+                for (ny, wy) in SIZES[..7].iter().flat_map(|&n| walls().map(|w| (n, w))) {
+                    check([nx, ny], [wx, wy], false);
+                    check([nx, ny], [wx, wy], true);
+                }
+            }
+        }
+        for w in walls() {
+            for v in walls() {
+                check([5, 4, 3], [w, v, None], false);
+                check([3, 2, 7], [v, None, w], true);
+                check([1, 6, 2], [w, w, v], false);
+            }
+        }
+    }
+
+    /// P is linear between coarse centres: exact for x itself in the interior.
+    #[test]
+    fn prolongation_is_exact_for_linear_fields() {
+        let (t, _) = transfer([33, 18], [Some([0.0; 2]); 2]);
+        let (mut coarse, mut fine) = (vec![0.0; t.coarse.slots()], vec![0.0; t.fine.slots()]);
+        let centre = |i: usize, n: usize| if 2 * i + 1 == n { n as f64 - 0.5 } else { 2.0 * i as f64 + 1.0 };
+        t.coarse.each_cell(t.coarse.cells_region(), |at| {
+            coarse[at.slot()] = centre(at.cell[0], 33) - 3.0 * centre(at.cell[1], 18);
+        });
+        t.prolong_add(&coarse, &mut fine);
+        let mut inner = t.fine.cells_region();
+        (inner.low, inner.high) = ([1, 1], [32, 17]);
+        t.fine.each_cell(inner, |at| {
+            let expected = at.cell[0] as f64 + 0.5 - 3.0 * (at.cell[1] as f64 + 0.5);
+            assert!((fine[at.slot()] - expected).abs() < 1e-12, "{:?}", at.cell);
         });
     }
 }

@@ -1,71 +1,21 @@
 //! PCG-multigrid iterations to a relative 2-norm residual of 1e-6 from a zero guess, on random right-hand sides.
 
-use cf_grid::{Axis, Layout, Sides};
-use cf_linear::{Helmholtz, Options, Plan, Precision, Solver, Stop};
+use cf_linear::{Options, Plan, Precision, Solver, Stop};
 
-/// Deterministic noise in [-1, 1).
-fn noise(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
-    move || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-}
+use crate::common::*;
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum End {
-    Closed,
-    Held,
-    Absorbing,
-}
-
-fn conductance(end: End, kappa: f64) -> f64 {
-    match end {
-        End::Closed => 0.0,
-        End::Held => 2.0 * kappa,
-        End::Absorbing => 0.7 * kappa.sqrt(),
-    }
-}
-
-/// Every mix of an axis: periodic, or two of the ends.
-fn axis_mixes() -> Vec<Option<[End; 2]>> {
-    vec![
-        None,
-        Some([End::Closed, End::Closed]),
-        Some([End::Held, End::Held]),
-        Some([End::Closed, End::Held]),
-        Some([End::Absorbing, End::Closed]),
-    ]
-}
-
-fn solve<const D: usize>(
-    cells: [usize; D],
-    mix: [Option<[End; 2]>; D],
-    alpha: f64,
-    kappa: f64,
-    precision: Precision,
-) -> usize {
-    let layout = Layout::new(cells).unwrap();
-    let walls = Sides(mix.map(|m| match m {
-        None => Axis::Periodic,
-        Some(ends) => Axis::Walls(ends.map(|e| conductance(e, kappa))),
-    }));
-    let operator = Helmholtz::new(&layout, alpha, kappa, walls);
+fn solve<const D: usize>(cells: [usize; D], mix: [Mix; D], alpha: f64, kappa: f64, precision: Precision) -> usize {
+    let case = Case::new(cells, mix, alpha, kappa);
     let options = Options { plan: Some(Plan::Multigrid), precision, ..Default::default() };
-    let mut solver = Solver::<f64, D>::new(&operator, options).unwrap();
-    let mut random = noise(7);
-    let mut b = vec![0.0; layout.slots()];
-    layout.each_cell(layout.cells_region(), |at| b[at.slot()] = random());
-    let mut x = vec![0.0; layout.slots()];
+    let mut solver = Solver::<f64, D>::new(&case.helmholtz(), options).unwrap();
+    let (b, mut x) = (random_field::<f64, D>(&case.layout, 7), vec![0.0; case.layout.slots()]);
     match solver.solve(&b, &mut x, Stop::Relative(1e-6)) {
         Ok(s) => s.iterations,
         Err(e) => panic!("{cells:?} {mix:?} alpha {alpha} kappa {kappa:e}: {e}"),
     }
 }
 
-fn worst<const D: usize>(cells: [usize; D], mixes: &[[Option<[End; 2]>; D]], allowed: usize) {
+fn worst<const D: usize>(cells: [usize; D], mixes: &[[Mix; D]], allowed: usize) {
     let mut worst = (0, String::new());
     for &mix in mixes {
         for kappa in [1e-6, 1e-3, 0.1, 1.0, 10.0, 1e3, 1e5, 1e8, 1e12] {
@@ -80,21 +30,7 @@ fn worst<const D: usize>(cells: [usize; D], mixes: &[[Option<[End; 2]>; D]], all
         }
     }
     println!("{cells:?}: {} at {}", worst.0, worst.1);
-    if std::env::var("SHOW").is_ok() {
-        return;
-    }
     assert!(worst.0 <= allowed, "{cells:?}: {} iterations at {}", worst.0, worst.1);
-}
-
-fn mixes_2d() -> Vec<[Option<[End; 2]>; 2]> {
-    let m = axis_mixes();
-    m.iter().flat_map(|&a| m.iter().map(move |&b| [a, b])).collect()
-}
-
-fn mixes_3d() -> Vec<[Option<[End; 2]>; 3]> {
-    let m = axis_mixes();
-    // Every kind on every axis, and the pure ones.
-    (0..5).flat_map(|i| [[m[i]; 3], [m[i], m[(i + 1) % 5], m[(i + 2) % 5]], [m[i], m[(i + 3) % 5], m[1]]]).collect()
 }
 
 #[test]

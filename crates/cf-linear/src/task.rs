@@ -1,0 +1,235 @@
+//! One solve in unit size: A/scale · y = b/unit - means, whichever way the plan goes.
+
+use cf_grid::{Layout, Max, Real, row_dot};
+
+use crate::chebyshev;
+use crate::deflate::Deflation;
+use crate::engine::Engine;
+use crate::level::LevelOperator;
+use crate::pcg::{self, Norms, Vectors, row_largest};
+
+/// When a solve is done, in the units of the caller.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Goal {
+    /// ‖r‖₂ against ‖b‖₂.
+    Relative(f64),
+    /// ‖r‖₂.
+    Two(f64),
+    /// max|r|.
+    Largest(f64),
+}
+
+impl Goal {
+    pub fn tolerance(self) -> f64 {
+        match self {
+            Goal::Relative(t) | Goal::Two(t) | Goal::Largest(t) => t,
+        }
+    }
+
+    /// The norm it is about.
+    pub fn measure(self, norms: Norms) -> f64 {
+        match self {
+            Goal::Relative(_) | Goal::Two(_) => norms.two,
+            Goal::Largest(_) => norms.largest,
+        }
+    }
+}
+
+/// A right-hand side as the solver sees it: `unit` times smaller, zero in solid cells, without the constants.
+pub(crate) struct Rhs<'a, T> {
+    pub b: &'a [T],
+    pub fluid: Option<&'a [bool]>,
+    /// A power of two, so that scaling is exact.
+    pub unit: f64,
+    /// Means of the scaled right-hand side, by component.
+    pub means: Vec<f64>,
+}
+
+impl<'a, T: Real> Rhs<'a, T> {
+    /// Chooses the unit; `None` if a value is not finite.
+    pub fn new<const D: usize>(layout: &Layout<D>, b: &'a [T], fluid: Option<&'a [bool]>) -> Option<Self> {
+        let largest = match fluid {
+            None => pcg::largest(layout, b),
+            Some(fluid) => {
+                let largest: Max = layout.par_runs(layout.cells_region(), (), |run, ()| {
+                    let values = run.row(b).iter().zip(run.row(fluid)).filter(|(_, f)| **f);
+                    values.fold(Max(0.0), |m, (v, _)| cf_grid::Reduce::merge(m, Max(v.f64().abs())))
+                });
+                largest.0
+            }
+        };
+        largest.is_finite().then(|| Self { b, fluid, unit: unit_of(largest), means: Vec::new() })
+    }
+
+    /// Writes it to `r`; `self.means` are left out.
+    fn load<const D: usize>(&self, layout: &Layout<D>, deflation: &Deflation, r: &mut [T]) {
+        let inverse = 1.0 / self.unit;
+        layout.par_runs(layout.cells_region(), &mut *r, |run, r: &mut [T]| {
+            for (r, &b) in r.iter_mut().zip(run.row(self.b)) {
+                *r = T::of(b.f64() * inverse);
+            }
+            if let Some(fluid) = self.fluid {
+                for (r, &fluid) in r.iter_mut().zip(run.row(fluid)) {
+                    *r = if fluid { *r } else { T::ZERO };
+                }
+            }
+        });
+        let negative: Vec<f64> = self.means.iter().map(|m| -m).collect();
+        deflation.shift(layout, r, &negative);
+    }
+
+    /// Writes it to `r` after taking the means out of it.
+    pub fn load_deflated<const D: usize>(&mut self, layout: &Layout<D>, deflation: &Deflation, r: &mut [T]) -> Norms {
+        self.load(layout, deflation, r);
+        self.means = deflation.project(layout, r);
+        // Twice: the second mean is what rounding left of the first.
+        for (m, left) in self.means.iter_mut().zip(deflation.project(layout, r)) {
+            *m += left;
+        }
+        norms(layout, r)
+    }
+
+    /// Largest constant that was taken out.
+    pub fn offset(&self) -> f64 {
+        self.means.iter().fold(0.0, |m, v| v.abs().max(m))
+    }
+}
+
+/// The largest power of two that is at most `largest`, within the range whose inverse is finite.
+pub(crate) fn unit_of(largest: f64) -> f64 {
+    if largest > 0.0 { 2f64.powi((largest.log2().floor() as i32).clamp(-1022, 1023)) } else { 1.0 }
+}
+
+/// Norms of a residual whose solution is zero.
+pub(crate) fn norms<T: Real, const D: usize>(layout: &Layout<D>, r: &[T]) -> Norms {
+    let (square, largest): (f64, Max) = layout.par_runs(layout.cells_region(), (), |run, ()| {
+        let r = run.row(r);
+        (row_dot(r, r), Max(row_largest(r)))
+    });
+    Norms { two: square.sqrt(), largest: largest.0, solution: 0.0 }
+}
+
+/// A loaded right-hand side with everything that says how far to go.
+pub(crate) struct Task<'a, T, const D: usize> {
+    pub layout: Layout<D>,
+    pub rhs: Rhs<'a, T>,
+    pub deflation: &'a Deflation,
+    pub goal: Goal,
+    /// The goal's norm in units.
+    pub wanted: f64,
+    /// alpha/scale and the largest sum of a cell's conductances/scale.
+    pub alpha: f64,
+    pub conductance: f64,
+    pub limit: usize,
+}
+
+/// A Chebyshev iteration costs about a sixth of a PCG iteration, so the limit allows more of them.
+const CHEBYSHEV_PER_PCG: usize = 10;
+
+impl<T: Real, const D: usize> Task<'_, T, D> {
+    fn measure(&self, norms: Norms) -> f64 {
+        self.goal.measure(norms)
+    }
+
+    pub fn met(&self, norms: Norms) -> bool {
+        self.measure(norms) <= self.wanted
+    }
+
+    /// A bound of the rounding of A y and of the right-hand side in the goal's norm (model/diffusion.md 5.5).
+    fn floor(&self, norms: Norms) -> f64 {
+        let floor = T::EPSILON * (8.0 * (2.0 - self.alpha) * norms.solution + 0.125 * self.rhs.offset());
+        match self.goal {
+            Goal::Largest(_) => floor,
+            Goal::Relative(_) | Goal::Two(_) => floor * (self.layout.count() as f64).sqrt(),
+        }
+    }
+
+    /// A residual that may be rounding and nothing else.
+    pub fn at_floor(&self, norms: Norms) -> bool {
+        self.measure(norms) <= self.floor(norms)
+    }
+
+    /// True residuals end well above this: they are often smaller than the bound, but not by two digits.
+    fn hopeless(&self, norms: Norms) -> bool {
+        self.measure(norms) <= 0.01 * self.floor(norms)
+    }
+
+    /// Worth going on; not with NaN.
+    fn halved(&self, before: Norms, now: Norms) -> bool {
+        self.measure(now) < 0.5 * self.measure(before)
+    }
+
+    /// x = b/alpha.
+    pub fn diagonal(&self, operator: &LevelOperator<T, D>, y: &mut [T], v: &mut Vectors<T>) -> (usize, Norms) {
+        let gain = T::of(1.0 / self.alpha);
+        let r = &v.r[..];
+        self.layout.par_runs(self.layout.cells_region(), &mut *y, |run, y: &mut [T]| {
+            for (y, &r) in y.iter_mut().zip(run.row(r)) {
+                *y = gain * r;
+            }
+        });
+        (0, self.residual(operator, y, v))
+    }
+
+    pub fn chebyshev(
+        &self,
+        operator: &LevelOperator<T, D>,
+        y: &mut [T],
+        v: &mut Vectors<T>,
+        start: Norms,
+    ) -> (usize, Norms) {
+        v.p.fill(T::ZERO);
+        let limit = CHEBYSHEV_PER_PCG.saturating_mul(self.limit);
+        let radius = chebyshev::radius(self.alpha, self.conductance);
+        // No use aiming below rounding.
+        let reduction = (self.wanted / self.measure(start)).max(0.1 * T::EPSILON);
+        let mut count = chebyshev::count(radius, reduction);
+        let (mut total, mut omega, mut reached) = (0, None, start);
+        while total < limit {
+            count = count.min(limit - total);
+            omega = chebyshev::iterate(operator, &v.r, y, &mut v.p, radius, omega, count);
+            total += count;
+            let before = std::mem::replace(&mut reached, self.residual(operator, y, v));
+            if self.met(reached) || !self.halved(before, reached) {
+                break;
+            }
+            count = count / 4 + 1;
+        }
+        (total, reached)
+    }
+
+    /// PCG. Its residual drifts from the true one by rounding: that is computed at the end, and PCG goes on from it if
+    /// need be. Does nothing without a preconditioner.
+    pub fn conjugate_gradients(
+        &self,
+        engine: &mut Engine<T, D>,
+        y: &mut [T],
+        v: &mut Vectors<T>,
+        start: Norms,
+    ) -> (usize, Norms) {
+        let (mut total, mut reached) = (0, start);
+        for _ in 0..RESTARTS {
+            let Some((operator, mut preconditioner)) = engine.preconditioned() else { break };
+            let done = |n: Norms| self.met(n) || self.hopeless(n) || !n.two.is_finite();
+            let left = self.limit.saturating_sub(total);
+            total += pcg::iterate(operator, &mut preconditioner, self.deflation, y, v, reached, done, left);
+            self.rhs.load(&self.layout, self.deflation, &mut v.r);
+            let before = std::mem::replace(&mut reached, self.residual(operator, y, v));
+            if self.met(reached) || total >= self.limit || !self.halved(before, reached) {
+                break;
+            }
+            std::mem::swap(&mut v.r, &mut v.ap);
+            self.deflation.project(&self.layout, &mut v.r);
+        }
+        (total, reached)
+    }
+
+    /// Norms of the residual of y; `v.r` holds the right-hand side, the residual goes to `v.ap`.
+    fn residual(&self, operator: &LevelOperator<T, D>, y: &mut [T], v: &mut Vectors<T>) -> Norms {
+        operator.residual(&v.r, y, &mut v.ap);
+        Norms { solution: pcg::largest(&self.layout, y), ..norms(&self.layout, &v.ap) }
+    }
+}
+
+/// Times PCG goes on from the true residual.
+const RESTARTS: usize = 4;

@@ -7,10 +7,10 @@
 //! Second order, exactly conservative, no linear solve. Stable for k dt tanh(dt/2tau) 4 D/h² <= 2. Between sub-steps two
 //! half kicks merge into one full kick. Absorbing walls are stepped by the trapezoidal rule, stable for any dt.
 
-use cf_grid::{End, FaceField, Real, Wall, row_sum};
+use cf_grid::{FaceField, Real, Wall, row_sum};
 
 use crate::coefficients::{Kicks, kdk_limit};
-use crate::implicit::{Moved, ROW, in_pieces};
+use crate::implicit::{Moved, ROW, in_pieces, set_wall_flux};
 use crate::law::Law;
 use crate::source::Source;
 use crate::state::State;
@@ -61,11 +61,7 @@ fn kick<T: Real, const D: usize>(walls: &Walls<T, D>, phi: &mut [T], q: &mut Fac
     update_flux(walls, q, phi, keep, gain);
     walls.each(|w| {
         if let Wall::Value(v) = w.wall {
-            let gradient = -2.0 * (phi[w.cell].f64() - v) * w.end.sign();
-            let q = &mut q.axis_mut(w.axis)[w.face];
-            // Low wall faces have decayed with the cells' sweep.
-            let old = if w.end == End::Low { q.f64() } else { keep * q.f64() };
-            *q = T::of(old - gain * gradient);
+            set_wall_flux(q.axis_mut(w.axis), w, phi[w.cell].f64() - v, keep, gain);
         }
     });
 }
@@ -83,21 +79,23 @@ fn drift<T: Real, const D: usize>(
     let per_h = dt / h;
     walls.fill_seams(q);
     let mut outflow = 0.0;
-    // phi_new (1 + a) = phi_old (1 - a) + 2 a far + inner fluxes, a = c dt/2h: before and after the inner part.
-    let half = |speed: f64| 0.5 * per_h * speed;
     walls.each(|w| {
-        let lost = match w.wall {
-            Wall::Flux(g) => per_h * g,
-            Wall::Absorbing { speed, far } => half(speed) * (phi[w.cell].f64() - 2.0 * far),
-            Wall::Value(_) => {
-                outflow += w.end.sign() * per_h * q.axis(w.axis)[w.face].f64();
-                return;
+        outflow += match w.wall {
+            Wall::Flux(g) => {
+                phi[w.cell] -= T::of(per_h * g);
+                per_h * g
             }
-            Wall::Open { .. } => return,
+            Wall::Value(_) => w.end.sign() * per_h * q.axis(w.axis)[w.face].f64(),
+            Wall::Absorbing { .. } | Wall::Open { .. } => 0.0,
         };
-        outflow += lost;
-        phi[w.cell] -= T::of(lost);
     });
+    // phi_new (1 + a) = phi_old (1 - a) + 2 a far + inner fluxes, a = c dt/2h: before and after the inner part. All walls of
+    // a cell at once, so that phi = far stays in corners too.
+    for w in &walls.absorbers {
+        let before = phi[w.cell].f64();
+        phi[w.cell] = T::of(before - 0.5 * per_h * w.speed * (before - w.far));
+        outflow += before - phi[w.cell].f64();
+    }
     let (flux, q) = (T::of(per_h), q.axes());
     let fluid = walls.mask.as_ref().map(|m| m.fluid());
     let poison: f64 = layout.par_runs(layout.cells_region(), &mut phi[..], |run, phi: &mut [T]| {
@@ -122,26 +120,14 @@ fn drift<T: Real, const D: usize>(
         poison
     });
     if poison != 0.0 {
-        return Err(StepError::NotFinite { field: "phi", cell: first_bad(walls, phi) });
+        if let Some(cell) = walls.first_bad(phi) {
+            return Err(StepError::NotFinite { field: "phi", cell: cell.to_vec() });
+        }
     }
-    walls.each(|w| {
-        if let Wall::Absorbing { speed, .. } = w.wall {
-            let a = half(speed);
-            let before = phi[w.cell].f64();
-            outflow += before * (a / (1.0 + a));
-            phi[w.cell] = T::of(before / (1.0 + a));
-        }
-    });
+    for w in &walls.absorbers {
+        let (a, before) = (0.5 * per_h * w.speed, phi[w.cell].f64());
+        phi[w.cell] = T::of(before - a / (1.0 + a) * (before - w.far));
+        outflow += before - phi[w.cell].f64();
+    }
     Ok(outflow)
-}
-
-/// The first cell that is not finite.
-fn first_bad<T: Real, const D: usize>(walls: &Walls<T, D>, phi: &[T]) -> Vec<usize> {
-    let mut found = Vec::new();
-    walls.layout.each_cell(walls.layout.cells_region(), |at| {
-        if found.is_empty() && !phi[at.slot()].is_finite() {
-            found = at.cell.to_vec();
-        }
-    });
-    found
 }

@@ -37,6 +37,7 @@
 pub mod advect;
 pub mod energy;
 pub mod exact;
+pub mod front;
 
 mod coefficients;
 mod error;
@@ -50,11 +51,13 @@ mod state;
 mod step_error;
 mod stepper;
 mod sweeps;
+pub mod verify;
 mod walls;
 
 pub use advect::{AdvectError, Advection, Advector, Transported};
 pub use coefficients::{Coefficients, Kicks, kdk_limit};
 pub use error::LawError;
+pub use front::{Front, FrontError, FrontState};
 pub use law::Law;
 pub use medium::{Medium, MediumError};
 pub use regime::{CRITICAL_TOLERANCE, Regime, half_angle, hc};

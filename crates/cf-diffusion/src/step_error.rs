@@ -48,6 +48,16 @@ pub enum StepError {
     /// The tolerance is not in (0, 1).
     #[error("expected a solver tolerance between 0 and 1, found {0}")]
     Tolerance(f64),
+    /// A field of another layout.
+    #[error("{what} has {found} slots, expected {expected}; make it on the grid of the stepper")]
+    Layout {
+        /// Which field.
+        what: &'static str,
+        /// Slots of the grid's layout.
+        expected: usize,
+        /// Slots of the field.
+        found: usize,
+    },
     /// NaN or infinity appeared.
     #[error("{field} is not finite{}; check initial values, sources and the size of the step", at(.cell))]
     NotFinite {

@@ -146,6 +146,10 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
                 }
             }
         }
+        if let Some(mask) = mask.as_ref().filter(|m| m.layout() != grid.layout()) {
+            let (expected, found) = (grid.layout().slots(), mask.layout().slots());
+            return Err(StepError::Layout { what: "the mask", expected, found });
+        }
         let walls = Walls::new(grid.layout(), sides, mask);
         let implicit = (settings.integrator != Integrator::Kdk)
             .then(|| Implicit::new(&walls, grid.h(), settings.tolerance, settings.precision, settings.plan));
@@ -240,6 +244,7 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         if state.slow_flux.is_some() != self.law.has_memory() {
             return Err(StepError::SlowFlux { found: state.slow_flux.is_some() });
         }
+        self.check_layout(state, source)?;
         let mut report = StepReport::default();
         if dt == 0.0 {
             return Ok(report);
@@ -266,6 +271,17 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
             }
         }
         Ok(report)
+    }
+
+    /// Refuses fields of another layout, which the sweeps could not index.
+    fn check_layout(&self, state: &State<T, D>, source: Source<'_, T>) -> Result<(), StepError> {
+        let expected = self.grid.layout().slots();
+        let flux = state.slow_flux.iter().flat_map(|q| q.axes()).map(|q| ("the slow flux", q.len()));
+        let rate = source.rate.iter().map(|rate| ("the source", rate.len()));
+        match flux.chain(rate).chain([("phi", state.phi.len())]).find(|&(_, found)| found != expected) {
+            Some((what, found)) => Err(StepError::Layout { what, expected, found }),
+            None => Ok(()),
+        }
     }
 
     fn carry_into(

@@ -7,7 +7,9 @@
 //! | absorbing c | dt c/h | dt c far/h | none, q·n = c (phi - far) |
 //! | open | 0 | 0 | none |
 
-use cf_grid::{End, FaceField, Layout, Mask, Real, Sides, Wall};
+use std::sync::OnceLock;
+
+use cf_grid::{Components, End, FaceField, Layout, Mask, Real, Sides, Wall};
 
 /// One fluid cell on a wall.
 #[derive(Debug, Clone, Copy)]
@@ -21,6 +23,38 @@ pub(crate) struct WallCell {
     pub face: usize,
 }
 
+/// A fluid cell on absorbing walls, all of its walls together.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Absorber {
+    /// Slot of the cell.
+    pub cell: usize,
+    /// Σ c [m/s].
+    pub speed: f64,
+    /// far, weighted by c [P].
+    pub far: f64,
+}
+
+/// The connected parts of the fluid.
+#[derive(Debug, Clone)]
+pub(crate) struct Parts {
+    /// Labels and cell counts; `None` without a mask, when all is one part.
+    pub components: Option<Components>,
+    /// Per part: whether a wall lets phi pass according to its value, so that no sum is conserved.
+    pub held: Vec<bool>,
+}
+
+impl Parts {
+    /// The part of a fluid cell.
+    pub fn of(&self, slot: usize) -> usize {
+        self.components.as_ref().map_or(0, |c| (c.label[slot] as usize).saturating_sub(1))
+    }
+
+    /// Cells of a part.
+    pub fn cells<const D: usize>(&self, part: usize, layout: &Layout<D>) -> f64 {
+        self.components.as_ref().map_or(layout.count(), |c| c.cells[part]) as f64
+    }
+}
+
 /// The walls of a domain: sides, obstacles, and which faces are open.
 #[derive(Debug, Clone)]
 pub(crate) struct Walls<T, const D: usize> {
@@ -29,6 +63,12 @@ pub(crate) struct Walls<T, const D: usize> {
     pub mask: Option<Mask<D>>,
     /// 1 on faces between fluid cells, 0 elsewhere; only with a mask.
     pub open: Option<FaceField<T, D>>,
+    /// Walls that hold phi at a level, with the number of their faces.
+    pub holding: Vec<(Wall, usize)>,
+    /// Cells on absorbing walls, by slot.
+    pub absorbers: Vec<Absorber>,
+    first_fluid: Option<usize>,
+    parts: OnceLock<Parts>,
 }
 
 impl<T: Real, const D: usize> Walls<T, D> {
@@ -55,7 +95,42 @@ impl<T: Real, const D: usize> Walls<T, D> {
             }
             open
         });
-        Self { layout: *layout, sides: *sides, mask, open }
+        let mut walls = Self {
+            layout: *layout,
+            sides: *sides,
+            mask,
+            open,
+            holding: Vec::new(),
+            absorbers: Vec::new(),
+            first_fluid: None,
+            parts: OnceLock::new(),
+        };
+        walls.first_fluid = walls.first(|_| true).map(|cell| layout.slot(cell));
+        let (mut absorbers, mut holding) = (Vec::new(), Vec::<(Wall, usize)>::new());
+        walls.each(|w| {
+            if let Wall::Value(_) | Wall::Absorbing { .. } = w.wall {
+                match holding.last_mut() {
+                    Some((last, count)) if *last == w.wall => *count += 1,
+                    _ => holding.push((w.wall, 1)),
+                }
+            }
+            if let Wall::Absorbing { speed, far } = w.wall {
+                absorbers.push(Absorber { cell: w.cell, speed, far });
+            }
+        });
+        absorbers.sort_by_key(|a| a.cell);
+        absorbers.retain(|a| a.speed > 0.0);
+        absorbers.dedup_by(|next, kept| {
+            let same = next.cell == kept.cell;
+            if same {
+                kept.speed += next.speed;
+                // Exact where both are equal.
+                kept.far += (next.far - kept.far) * (next.speed / kept.speed);
+            }
+            same
+        });
+        (walls.absorbers, walls.holding) = (absorbers, holding);
+        walls
     }
 
     /// Every fluid cell on every wall.
@@ -93,17 +168,65 @@ impl<T: Real, const D: usize> Walls<T, D> {
         }
     }
 
-    /// Conductances of the homogeneous operator: 2 kappa for values, dt c/h for absorbing walls, 0 for the others.
-    pub fn conductances(&self, kappa: f64, dt_per_h: f64) -> Sides<f64, D> {
-        self.sides.map(|_, _, wall| match wall {
-            Wall::Value(_) => 2.0 * kappa,
-            Wall::Absorbing { speed, .. } => dt_per_h * speed,
-            Wall::Flux(_) | Wall::Open { .. } => 0.0,
+    /// The connected parts of the fluid, found at the first call.
+    pub fn parts(&self) -> &Parts {
+        self.parts.get_or_init(|| {
+            let components = self.mask.as_ref().map(|m| m.components(&self.sides));
+            let count = components.as_ref().map_or(1, |c| c.cells.len());
+            let mut parts = Parts { components, held: vec![false; count] };
+            let mut held = std::mem::take(&mut parts.held);
+            self.each(|w| {
+                if let Wall::Value(_) | Wall::Absorbing { .. } = w.wall {
+                    held[parts.of(w.cell)] = true;
+                }
+            });
+            parts.held = held;
+            parts
         })
     }
 
-    /// Fluid cells per connected component, with labels; one component without a mask.
-    pub fn components(&self) -> Option<cf_grid::Components> {
-        self.mask.as_ref().map(|m| m.components(&self.sides))
+    /// The mean of x over the fluid cells, exact for constants; 0 without fluid.
+    pub fn fluid_mean(&self, x: &[T]) -> f64 {
+        const LANES: usize = 8;
+        let Some(base) = self.first_fluid.map(|slot| x[slot].f64()) else { return 0.0 };
+        let layout = &self.layout;
+        let Some(mask) = &self.mask else {
+            let sum: f64 = layout.par_runs(layout.cells_region(), (), |run, ()| {
+                let chunks = run.row(x).chunks_exact(LANES);
+                let mut lanes = [0.0; LANES];
+                for (lane, v) in lanes.iter_mut().zip(chunks.remainder()) {
+                    *lane = v.f64() - base;
+                }
+                for chunk in chunks {
+                    for (lane, v) in lanes.iter_mut().zip(chunk) {
+                        *lane += v.f64() - base;
+                    }
+                }
+                lanes.iter().sum::<f64>()
+            });
+            return base + sum / layout.count() as f64;
+        };
+        let (sum, count): (f64, usize) = layout.par_runs(layout.cells_region(), (), |run, ()| {
+            let wet = run.row(x).iter().zip(run.row(mask.fluid())).filter(|&(_, &fluid)| fluid);
+            wet.fold((0.0, 0), |(sum, n), (v, _)| (sum + (v.f64() - base), n + 1))
+        });
+        base + sum / count as f64
+    }
+
+    /// The first fluid cell of which something is true.
+    fn first(&self, found: impl Fn(usize) -> bool) -> Option<[usize; D]> {
+        let mut first = None;
+        self.layout.each_cell(self.layout.cells_region(), |at| {
+            let fluid = self.mask.as_ref().is_none_or(|m| m.fluid()[at.slot()]);
+            if first.is_none() && fluid && found(at.slot()) {
+                first = Some(at.cell);
+            }
+        });
+        first
+    }
+
+    /// The first fluid cell in which x is not finite.
+    pub fn first_bad(&self, x: &[T]) -> Option<[usize; D]> {
+        self.first(|slot| !x[slot].is_finite())
     }
 }

@@ -36,20 +36,42 @@
 //! predicted memory included ([`Scene::memory`]). Errors are [`SceneError`]s with place, path, expectation and advice; no
 //! input panics.
 
+mod account;
+mod build;
 pub mod catalog;
 mod check;
+mod checkpoint;
 mod error;
 mod experiment;
+mod frames;
+mod ledger;
+mod measure;
+mod model;
+mod pace;
+mod perform;
+mod pictures;
 pub mod progress;
+pub mod report;
+mod run;
+mod run_error;
 mod scene;
 pub mod spec;
+mod spool;
+mod stopwatch;
 mod suggest;
 pub mod summary;
 mod text;
+mod view;
 
+pub use build::BuildError;
 pub use check::{Limits, MemoryRow, MemoryTable};
+pub use checkpoint::CheckpointError;
 pub use error::{Detail, Place, Problems, SceneError};
 pub use experiment::{Experiment, PRESETS, SceneFile};
+pub use model::StepFailure;
+pub use pace::Pace;
+pub use perform::{Options, perform};
+pub use run_error::{Failure, RunError};
 pub use scene::{Diffusion, Grid, Law, Model, Numerics, Scene, Schedule, SingleField, TimeStep};
 pub use suggest::nearest;
 pub use text::splice::Set;

@@ -111,8 +111,8 @@ impl Law {
 pub struct Numerics {
     /// The level that chose the knobs which the scene does not set.
     pub level: Level,
-    /// How diffusion is stepped.
-    pub integrator: Integrator,
+    /// How diffusion is stepped; `None` leaves it to [`Pace`](crate::Pace), which knows the time step.
+    pub integrator: Option<Integrator>,
     /// How `phi` and its flux are carried.
     pub advection: Advection,
     /// How diffusion and advection alternate.
@@ -134,6 +134,8 @@ pub enum TimeStep {
     Fixed(f64),
     /// This times h/(|u| + c); a law without memory counts with c = 0.
     Cfl(f64),
+    /// The step in which transport is a shift by whole cells, exact, where there is such a step; otherwise as `Cfl`.
+    Shift(f64),
 }
 
 /// When to stop and when to write. Times in seconds.

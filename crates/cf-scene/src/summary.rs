@@ -24,6 +24,8 @@ pub struct Summary {
     pub claims: Vec<ClaimResult>,
     /// Wall seconds of everything, output included.
     pub seconds: f64,
+    /// Files about all runs together, relative to the output folder.
+    pub files: Vec<String>,
 }
 
 impl Summary {

@@ -152,7 +152,7 @@ fn several(check: &mut Checker<'_>, path: &str, names: &[String]) {
     });
 }
 
-fn read(parameter: Knob, scene: &Scene) -> Option<f64> {
+pub(crate) fn read(parameter: Knob, scene: &Scene) -> Option<f64> {
     let law = match &scene.model {
         Model::Diffusion(model) => model.law,
         Model::SingleField(model) => model.law,
@@ -163,7 +163,7 @@ fn read(parameter: Knob, scene: &Scene) -> Option<f64> {
         Knob::CellSize => Some(scene.grid.spacing),
         Knob::TimeStep => match scene.numerics.step {
             TimeStep::Fixed(dt) => Some(dt),
-            TimeStep::Cfl(_) => None,
+            TimeStep::Cfl(_) | TimeStep::Shift(_) => None,
         },
     }
 }

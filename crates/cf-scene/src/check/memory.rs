@@ -2,6 +2,7 @@
 
 use super::Checker;
 use crate::error::Detail;
+use crate::pace::Pace;
 use crate::scene::{Model, Scene};
 use crate::spec::{Flow, Integrator, Medium, Precision};
 
@@ -64,17 +65,19 @@ impl Scene {
             add("phi and flux, with work space", 6.0, word);
             return MemoryTable { rows };
         };
+        let integrator = Pace::of(self).integrator;
         let (flux, moves) = (if model.law.has_memory() { d } else { 0.0 }, model.medium != Medium::Still);
         let prescribed = matches!(model.medium, Medium::Analytic(Flow::Rotation { .. } | Flow::Deformation { .. }));
         add("phi", 1.0, word);
         add("q_C", flux, word);
         add("sources", if model.sources.is_empty() { 0.0 } else { 1.0 }, word);
         add("velocity", if prescribed { d } else { 0.0 }, word);
-        add("advection buffers", if moves { 2.0 } else { 0.0 }, word);
-        match self.numerics.integrator {
-            Integrator::Kdk => add("step buffer", 1.0, word),
-            Integrator::PaperBe => add("solver vectors and levels", 5.5, word),
-            Integrator::Sdirk2 => {
+        add("advection buffers", if moves && integrator != Some(Integrator::Characteristic) { 2.0 } else { 0.0 }, word);
+        match integrator {
+            None | Some(Integrator::Kdk) => add("step buffer", 1.0, word),
+            Some(Integrator::Characteristic) => add("step buffers", 2.0, word),
+            Some(Integrator::PaperBe) => add("solver vectors and levels", 5.5, word),
+            Some(Integrator::Sdirk2) => {
                 add("first stage", 1.0 + flux, word);
                 add("solver vectors and levels", 5.5, word);
             }

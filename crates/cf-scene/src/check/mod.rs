@@ -13,7 +13,7 @@ mod output;
 mod schedule;
 mod sides;
 
-pub(crate) use claims::claims;
+pub(crate) use claims::{claims, read};
 pub use memory::{Limits, MemoryRow, MemoryTable};
 pub(crate) use names::names;
 

@@ -5,23 +5,23 @@
 use super::{Checker, out_of_range};
 use crate::error::Detail;
 use crate::scene::{Model, Numerics, TimeStep};
-use crate::spec::{AccuracySpec, Advection, Integrator, Level, Precision, Solver, Splitting};
+use crate::spec::{AccuracySpec, Advection, Integrator, Level, Medium, Precision, Solver, Splitting};
 
 /// What a level chooses.
 fn chosen(level: Level) -> Numerics {
     let standard = Numerics {
         level,
-        integrator: Integrator::Sdirk2,
+        integrator: None,
         advection: Advection::Muscl,
         splitting: Splitting::Strang,
-        step: TimeStep::Cfl(0.5),
+        step: TimeStep::Shift(0.5),
         tolerance: 1e-5,
         precision: Precision::F32,
         solver: Solver::Auto,
     };
     match level {
         Level::Draft => Numerics {
-            integrator: Integrator::PaperBe,
+            integrator: Some(Integrator::PaperBe),
             advection: Advection::Linear,
             splitting: Splitting::Lie,
             step: TimeStep::Cfl(1.0),
@@ -59,7 +59,7 @@ pub(super) fn numerics(check: &mut Checker<'_>, spec: &AccuracySpec, model: &Mod
     };
     let numerics = Numerics {
         level,
-        integrator: spec.integrator.unwrap_or(base.integrator),
+        integrator: spec.integrator.or(base.integrator),
         advection: spec.advection.unwrap_or(base.advection),
         splitting: spec.splitting.unwrap_or(base.splitting),
         step,
@@ -75,10 +75,19 @@ pub(super) fn numerics(check: &mut Checker<'_>, spec: &AccuracySpec, model: &Mod
     numerics
 }
 
-fn suits_the_law(check: &mut Checker<'_>, integrator: Integrator, model: &Model) {
+fn suits_the_law(check: &mut Checker<'_>, integrator: Option<Integrator>, model: &Model) {
     let Model::Diffusion(model) = model else { return };
-    let explicit = integrator == Integrator::Kdk;
-    check.require(!explicit || (model.law.fourier == 0.0 && model.law.tau > 0.0), "accuracy.integrator", || {
+    let waves = model.law.fourier == 0.0 && model.law.tau > 0.0;
+    if integrator == Some(Integrator::Characteristic) {
+        let plain = matches!(model.medium, Medium::Still | Medium::Uniform(_)) && model.obstacles.is_empty();
+        check.require(plain && waves && model.law.k > 0.0, "accuracy.integrator", || {
+            Detail::new("Characteristic follows the waves of a uniform medium")
+                .expected("fourier: 0, tau and k above 0, a medium Still or Uniform, and no obstacles")
+                .advice("use Kdk, or Sdirk2 where a part of the flux has no memory")
+        });
+    }
+    let explicit = integrator == Some(Integrator::Kdk);
+    check.require(!explicit || waves, "accuracy.integrator", || {
         Detail::new("Kdk steps waves only")
             .expected("a law with fourier: 0 and tau above 0")
             .found(format!("fourier: {}, tau: {}", model.law.fourier, model.law.tau))

@@ -49,6 +49,10 @@ pub enum Integrator {
     Sdirk2,
     /// Explicit kick-drift-kick, second order; only for fourier = 0 and tau > 0.
     Kdk,
+    /// Along the characteristics, upwind, for sharp fronts: explicit, second order; only for fourier = 0, tau and k above 0,
+    /// a medium that is still or uniform, and no obstacles. It carries `phi` too, so that `advection` and `splitting` do
+    /// not matter.
+    Characteristic,
 }
 
 /// How `phi` and its flux are carried.

@@ -81,7 +81,9 @@ pub enum Flow {
         /// Angular velocity \[rad/s\].
         rate: f64,
     },
-    /// The reversing deformation flow that fills the box, ends where it began, and passes no wall.
+    /// The reversing deformation flow that fills the box, ends where it began, and passes no wall: LeVeque's vortex in
+    /// box lengths, (sin²(πx) sin(2πy), −sin²(πy) sin(2πx))·cos(πt/period) in two dimensions, with the factors
+    /// (2 sin(2πz), sin(2πz), sin²(πz)) and a third component like the second in three.
     Deformation {
         /// Time from start to full return \[s\].
         period: f64,

@@ -1,0 +1,43 @@
+//! The tables of `verify`, asserted row by row.
+
+use cf_diffusion::verify::{self, Table};
+
+fn assert_passes(table: Table) {
+    assert!(!table.rows.is_empty() && table.pass(), "{table}");
+}
+
+#[test]
+fn one_step_is_its_matrix_on_every_mode() {
+    assert_passes(verify::amplification());
+}
+
+#[test]
+fn orders_are_as_promised() {
+    assert_passes(verify::orders());
+}
+
+#[test]
+fn mass_stays_and_energy_decays() {
+    assert_passes(verify::conservation());
+}
+
+#[test]
+fn few_iterations_at_any_kappa() {
+    assert_passes(verify::iterations());
+}
+
+#[test]
+fn nothing_breaks_at_the_edges() {
+    for corner in verify::extremes(640, 20) {
+        assert!(corner.pass, "{corner}");
+    }
+}
+
+#[test]
+fn a_case_can_be_repeated() {
+    for corner in verify::extremes(64, 5) {
+        let again = verify::repeat(corner.name, corner.seed).expect("a corner of this name").expect("it ran before");
+        assert_eq!(again, corner.worst, "{corner}");
+    }
+    assert!(verify::repeat("no such corner", 1).is_none());
+}

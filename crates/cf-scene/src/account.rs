@@ -1,0 +1,145 @@
+//! The summary of a finished run.
+
+use crate::ledger::Ledger;
+use crate::model::Model;
+use crate::pace::{Pace, fastest};
+use crate::run::Runner;
+use crate::scene::{self, Scene};
+use crate::spec::{Integrator, Precision};
+use crate::stopwatch::Stopwatch;
+use crate::summary::{Iterations, Mass, RegimeSummary, RunSummary, Seconds};
+use cf_diffusion::{Law, Regime, hc};
+
+/// Puts the numbers of a run together.
+pub(crate) fn account(
+    runner: &Runner<'_>,
+    pace: &Pace,
+    model: &dyn Model,
+    ledger: &Ledger,
+    stopwatch: &Stopwatch,
+) -> RunSummary {
+    let scene = runner.scene;
+    let totals = model.totals();
+    let (solver, solver_reason) = model.solver();
+    let steps = ledger.step.max(1) as f64;
+    RunSummary {
+        name: scene.run.clone(),
+        label: scene.label.clone(),
+        dimension: scene.grid.dimension(),
+        cells: scene.grid.cells.to_vec(),
+        spacing: scene.grid.spacing,
+        precision: match scene.numerics.precision {
+            Precision::F32 => "f32".into(),
+            Precision::Mixed => "mixed".into(),
+            Precision::F64 => "f64".into(),
+        },
+        threads: runner.options.threads,
+        steps: ledger.step,
+        dt: ledger.dt.map_or([pace.dt; 2], |(low, high)| [low, high]),
+        dt_reason: pace.dt_reason.clone(),
+        time: ledger.time,
+        integrator: pace.integrator.map_or("exact".into(), |integrator| format!("{integrator:?}")),
+        integrator_reason: pace.integrator_reason.clone(),
+        advection: advection(scene, pace),
+        solver,
+        solver_reason,
+        iterations: Iterations {
+            solves: ledger.solves,
+            mean: ledger.iterations as f64 / ledger.solves.max(1) as f64,
+            max: ledger.most_iterations,
+        },
+        seconds: Seconds {
+            total: ledger.seconds,
+            per_step: (stopwatch.seconds("transport") + stopwatch.seconds("diffusion")) / steps,
+            phases: stopwatch.phases().clone(),
+        },
+        peak_memory: peak_memory(),
+        fields: model.fields(),
+        mass: Mass {
+            start: ledger.start,
+            end: totals.mass,
+            emitted: ledger.emitted,
+            outflow: ledger.outflow,
+            drift: ledger.drift(totals),
+        },
+        ranges: model.ranges(),
+        regime: regime(scene),
+        residual: ledger.residual,
+        warnings: warnings(scene, pace, ledger),
+        files: ledger.files.clone(),
+    }
+}
+
+fn advection(scene: &Scene, pace: &Pace) -> String {
+    match &scene.model {
+        scene::Model::Diffusion(_) if pace.integrator == Some(Integrator::Characteristic) => "Characteristic".into(),
+        scene::Model::Diffusion(model) if fastest(scene, model) > 0.0 => format!("{:?}", scene.numerics.advection),
+        scene::Model::Diffusion(_) => "none".into(),
+        scene::Model::SingleField(_) => "exact".into(),
+    }
+}
+
+fn regime(scene: &Scene) -> RegimeSummary {
+    let (law, speed) = match &scene.model {
+        scene::Model::Diffusion(model) => (model.law, fastest(scene, model)),
+        scene::Model::SingleField(model) => (model.law, model.velocity.abs()),
+    };
+    let Ok(law) = Law::new(law.k, law.tau, law.fourier) else { return RegimeSummary::default() };
+    let regime = Regime::of(&law, speed);
+    RegimeSummary {
+        name: regime.name().into(),
+        speed: law.speed(),
+        hc: hc(&law, speed).filter(|ratio| ratio.is_finite()),
+        half_angle: match regime {
+            Regime::Supercritical { half_angle } => Some(half_angle.to_degrees()),
+            Regime::Critical => Some(90.0),
+            Regime::Fourier | Regime::Subcritical => None,
+        },
+    }
+}
+
+fn warnings(scene: &Scene, pace: &Pace, ledger: &Ledger) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if ledger.time < scene.schedule.until {
+        let (time, until) = (ledger.time, scene.schedule.until);
+        warnings.push(format!("run.steps ended the run at t = {time} s, before {until} s"));
+    }
+    let split = if scene.numerics.splitting == crate::spec::Splitting::Strang { 2 } else { 1 };
+    let allowed = if pace.integrator == Some(Integrator::Characteristic) { 1 } else { split };
+    if ledger.substeps > allowed {
+        warnings.push(format!("explicit diffusion took {} sub-steps a step to stay stable", ledger.substeps));
+    }
+    if ledger.transport_substeps > split {
+        warnings.push(format!("transport took {} sub-steps a step to stay stable", ledger.transport_substeps));
+    }
+    if let (scene::Model::Diffusion(model), Some(Integrator::Characteristic)) = (&scene.model, pace.integrator) {
+        let ratio = scene.grid.spacing / (model.law.speed().unwrap_or(0.0) * model.law.tau);
+        if ratio > 0.3 {
+            warnings
+                .push(format!("h/(c tau) = {ratio:.2} is above 0.3: cells too coarse for fronts, use Kdk or Sdirk2"));
+        }
+    }
+    if let scene::Model::Diffusion(model) = &scene.model {
+        let (speed, wave) = (fastest(scene, model), model.law.speed().unwrap_or(0.0));
+        let courant = (speed + wave) * pace.dt / scene.grid.spacing;
+        if matches!(scene.numerics.step, scene::TimeStep::Fixed(_)) && courant > 4.0 {
+            warnings.push(format!("the fixed step moves waves and medium by {courant:.1} cells; fronts will be blunt"));
+        }
+    }
+    let lowest = ledger.rows.iter().map(|row| row.min).fold(0.0, f64::min);
+    let highest = ledger.rows.iter().map(|row| row.max).fold(0.0, f64::max);
+    if lowest < -0.01 * highest {
+        warnings.push(format!("phi fell to {lowest:.3e}; nothing is clamped, waves may dip below zero"));
+    }
+    warnings
+}
+
+/// Peak resident memory of this process [bytes]; 0 where the system does not tell.
+fn peak_memory() -> u64 {
+    let kilobytes = || {
+        let status = std::fs::read_to_string("/proc/self/status").ok()?;
+        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+        line.split_whitespace().next()?.parse::<u64>().ok()
+    };
+    kilobytes().map_or(0, |kilobytes| kilobytes.saturating_mul(1024))
+}

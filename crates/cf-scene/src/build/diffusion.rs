@@ -1,0 +1,249 @@
+//! Cattaneo-Fourier diffusion in a prescribed medium, as a model.
+
+use super::flow::MakeFlow;
+use super::stepper::{Domain, Flux, Stepper};
+use super::{BuildError, coverage};
+use crate::model::{Model, Number, StepFailure, Totals, Values, ValuesMut};
+use crate::pace::Pace;
+use crate::scene::{self, Scene};
+use crate::spec::{self, AxisSides, Field, SourceSpec};
+use crate::stopwatch::Stopwatch;
+use crate::summary::{FieldBytes, Range};
+use cf_diffusion::{Law, Medium, Source, StepReport};
+use cf_grid::{Axis, CellField, FaceField, Grid, Mask, Sides, Wall};
+use cf_output::{Array, OutputError, Slice};
+
+/// The sources and who steps them.
+pub(super) struct DiffusionModel<T, const D: usize> {
+    grid: Grid<D>,
+    sources: Vec<SourceSpec>,
+    /// The share of the step for which each source acts, and the rate field that follows.
+    shares: Vec<f64>,
+    rate: CellField<T>,
+    stepper: Stepper<T, D>,
+}
+
+impl<T: Number, const D: usize> DiffusionModel<T, D> {
+    pub fn new(scene: &Scene, model: &scene::Diffusion, pace: &Pace, make: MakeFlow<T, D>) -> Result<Self, BuildError> {
+        let wrong = |what| BuildError::Dimension { axes: scene.grid.dimension(), what };
+        let cells = scene.grid.cells.to_array().ok_or(wrong("such grid"))?;
+        let origin = scene.grid.origin.to_array().ok_or(wrong("such origin"))?;
+        let grid = Grid::new(cells, scene.grid.spacing)?.with_origin(origin)?;
+        let law = Law::new(model.law.k, model.law.tau, model.law.fourier)?;
+        let mask = (!model.obstacles.is_empty()).then(|| mask(&grid, &model.obstacles));
+        let solid: Vec<usize> =
+            mask.iter().flat_map(|mask| mask.fluid()).enumerate().filter(|(_, f)| !**f).map(|(i, _)| i).collect();
+        let domain = Domain { grid: &grid, sides: sides(scene, &law), mask, law, medium: &model.medium, make };
+        let mut stepper = Stepper::new(domain, &scene.numerics, pace)?;
+        let phi = stepper.phi_mut();
+        for deposit in &model.initial {
+            coverage::deposit(&grid, &deposit.shape, deposit.value, phi);
+        }
+        for slot in solid {
+            phi[slot] = T::ZERO;
+        }
+        let (sources, shares) = (model.sources.clone(), vec![0.0; model.sources.len()]);
+        let rate = CellField::new(grid.layout());
+        Ok(DiffusionModel { grid, sources, shares, rate, stepper })
+    }
+
+    /// Brings the rate field up to date for a step.
+    fn emit(&mut self, from: f64, dt: f64) {
+        let shares: Vec<f64> = self.sources.iter().map(|source| share(source, from, dt)).collect();
+        if shares == self.shares {
+            return;
+        }
+        self.rate.fill(T::ZERO);
+        for (source, share) in self.sources.iter().zip(&shares).filter(|(_, share)| **share > 0.0) {
+            coverage::deposit(&self.grid, &source.shape, source.rate * share, &mut self.rate);
+        }
+        self.shares = shares;
+    }
+
+    fn each_cell(&self, mut visit: impl FnMut([usize; D], f64)) {
+        let (layout, phi) = (self.grid.layout(), self.stepper.phi());
+        layout.each_cell(layout.cells_region(), |at| visit(at.cell, phi[at.slot()].f64()));
+    }
+}
+
+impl<T: Number, const D: usize> DiffusionModel<T, D> {
+    fn face_ranges(&self, names: [&str; 3], field: &FaceField<T, D>) -> Vec<Range> {
+        let layout = self.grid.layout();
+        let range = |(axis, values): (usize, &[T])| {
+            let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
+            layout.each_cell(layout.faces_region(axis, self.stepper.sides().is_periodic(axis)), |at| {
+                (min, max) = (min.min(values[at.slot()].f64()), max.max(values[at.slot()].f64()));
+            });
+            Range { field: names[axis].into(), min, max }
+        };
+        field.axes().into_iter().enumerate().map(range).collect()
+    }
+}
+
+/// The share of a step for which a source acts.
+fn share(source: &SourceSpec, from: f64, dt: f64) -> f64 {
+    let until = source.until.unwrap_or(f64::INFINITY);
+    let share = (until.min(from + dt) - source.from.max(from)) / dt;
+    // Steps end at the switches up to rounding.
+    match share {
+        s if s < 1e-6 => 0.0,
+        s if s > 1.0 - 1e-6 => 1.0,
+        s => s,
+    }
+}
+
+fn sides<const D: usize>(scene: &Scene, law: &Law) -> Sides<Wall, D> {
+    let wall = |wall: &spec::Wall| match *wall {
+        spec::Wall::Closed => Wall::CLOSED,
+        spec::Wall::Flux(flux) => Wall::Flux(flux),
+        spec::Wall::Value(value) => Wall::Value(value),
+        spec::Wall::Absorbing { far, speed } => Wall::Absorbing { speed: speed.or(law.speed()).unwrap_or(0.0), far },
+        spec::Wall::Open { inflow } => Wall::Open { inflow },
+    };
+    Sides(std::array::from_fn(|axis| match scene.sides.get(axis) {
+        Some(AxisSides::Periodic) => Axis::Periodic,
+        Some(AxisSides::Walls { low, high }) => Axis::Walls([wall(low), wall(high)]),
+        None => Axis::Walls([Wall::CLOSED; 2]),
+    }))
+}
+
+fn mask<const D: usize>(grid: &Grid<D>, obstacles: &[spec::Shape]) -> Mask<D> {
+    let (origin, extent) = (grid.origin(), grid.extent());
+    Mask::new(grid.layout(), |cell| {
+        let centre = grid.centre(cell);
+        !obstacles.iter().any(|shape| shape.weight(centre.as_slice(), origin.as_slice(), extent.as_slice()) > 0.0)
+    })
+}
+
+const FLUX: [&str; 3] = ["q_C along x", "q_C along y", "q_C along z"];
+const SPEED: [&str; 3] = ["u along x", "u along y", "u along z"];
+
+impl<T: Number, const D: usize> Model for DiffusionModel<T, D> {
+    fn advance(&mut self, from: f64, dt: f64, watch: &mut Stopwatch) -> Result<StepReport, StepFailure> {
+        self.emit(from, dt);
+        let active = self.shares.iter().any(|share| *share > 0.0);
+        let source = if active { Source::steady(&self.rate[..]) } else { Source::NONE };
+        self.stepper.step(from, dt, source, watch)
+    }
+
+    fn totals(&self) -> Totals {
+        let (layout, volume, phi) = (self.grid.layout(), self.grid.cell_volume(), self.stepper.phi());
+        let (min, max) = layout.range(phi);
+        Totals { mass: layout.sum(phi) * volume, magnitude: layout.sum_abs(phi) * volume, min, max }
+    }
+
+    fn arrays(&self, fields: &[Field]) -> Result<Vec<Array<'_>>, OutputError> {
+        let cells = self.grid.cells();
+        let periodic = std::array::from_fn(|axis| self.stepper.sides().is_periodic(axis));
+        let box_of: [usize; 3] = std::array::from_fn(|a| cells.get(a).copied().unwrap_or(1));
+        let one = |field: &Field| match (field, self.stepper.flux(), self.stepper.medium()) {
+            (Field::Phi, ..) => Some(Array::padded("phi", &self.stepper.phi()[..], cells)),
+            (Field::SlowFlux, Flux::Faces(flux), _) => Some(Array::faces("q_C", flux.axes(), cells, periodic)),
+            (Field::SlowFlux, Flux::Cells(flux), _) => {
+                let layout = self.grid.layout();
+                let value = move |index: [usize; 3]| {
+                    let slot = layout.slot(std::array::from_fn(|a| index[a]));
+                    std::array::from_fn(|a| flux.get(a).map_or(T::ZERO, |axis| axis[slot]))
+                };
+                Some(Ok(Array::per_cell::<T, 3>("q_C", box_of, value)))
+            }
+            (Field::SlowFlux, Flux::None, _) | (Field::Velocity, _, Medium::Still) => None,
+            (Field::Velocity, _, Medium::Field(u)) => Some(Array::faces("u", u.axes(), cells, periodic)),
+            (Field::Velocity, _, Medium::Uniform(u)) => {
+                let u: [f32; 3] = std::array::from_fn(|a| u.get(a).map_or(0.0, |u| *u as f32));
+                Some(Ok(Array::per_cell("u", box_of, move |_| u)))
+            }
+        };
+        fields.iter().filter_map(one).collect()
+    }
+
+    fn phi(&self) -> Vec<f64> {
+        let mut values = Vec::with_capacity(self.grid.layout().count());
+        self.each_cell(|_, phi| values.push(phi));
+        values
+    }
+
+    fn layer(&self, slice: Slice) -> Vec<f64> {
+        let layout = self.grid.layout();
+        let mut region = layout.cells_region();
+        if let (Some(low), Some(high)) = (region.low.get_mut(slice.axis), region.high.get_mut(slice.axis)) {
+            (*low, *high) = (slice.index.min(*high - 1), (slice.index + 1).min(*high));
+        }
+        let (mut values, phi) = (Vec::new(), self.stepper.phi());
+        layout.each_cell(region, |at| values.push(phi[at.slot()].f64()));
+        values
+    }
+
+    fn flux(&self) -> Vec<Vec<f64>> {
+        let wide = |axis: &[T]| axis.iter().map(|value| value.f64()).collect();
+        match self.stepper.flux() {
+            Flux::None => Vec::new(),
+            Flux::Faces(flux) => flux.axes().map(wide).into(),
+            Flux::Cells(flux) => flux.each_ref().map(|axis| wide(axis)).into(),
+        }
+    }
+
+    fn fields(&self) -> Vec<FieldBytes> {
+        let flux = match self.stepper.flux() {
+            Flux::None => 0,
+            Flux::Faces(flux) => flux.bytes(),
+            Flux::Cells(flux) => flux.iter().map(CellField::bytes).sum(),
+        };
+        let rows = [
+            ("phi", self.stepper.phi().bytes()),
+            ("q_C", flux),
+            ("sources", self.rate.bytes()),
+            ("velocity", self.stepper.medium().bytes()),
+            ("stepper: scratch, solver, transport", self.stepper.bytes()),
+        ];
+        let stored = rows.into_iter().filter(|(_, bytes)| *bytes > 0);
+        stored.map(|(name, bytes)| FieldBytes { name: name.into(), bytes: bytes as u64 }).collect()
+    }
+
+    fn ranges(&self) -> Vec<Range> {
+        let (min, max) = self.grid.layout().range(self.stepper.phi());
+        let mut ranges = vec![Range { field: "phi".into(), min, max }];
+        match self.stepper.flux() {
+            Flux::None => {}
+            Flux::Faces(flux) => ranges.extend(self.face_ranges(FLUX, flux)),
+            Flux::Cells(flux) => ranges.extend(FLUX.into_iter().zip(flux).map(|(name, values)| {
+                let (min, max) = self.grid.layout().range(values);
+                Range { field: name.into(), min, max }
+            })),
+        }
+        if let Medium::Field(velocity) = self.stepper.medium() {
+            ranges.extend(self.face_ranges(SPEED, velocity));
+        }
+        ranges
+    }
+
+    fn solver(&self) -> (String, String) {
+        self.stepper.solver()
+    }
+
+    fn not_finite(&self) -> Option<(&'static str, Vec<usize>)> {
+        let mut found = None;
+        self.each_cell(|cell, phi| {
+            if found.is_none() && !phi.is_finite() {
+                found = Some(("phi", cell.to_vec()));
+            }
+        });
+        found
+    }
+
+    fn state(&self) -> Vec<(&'static str, Values<'_>)> {
+        self.stepper.unknowns()
+    }
+
+    fn state_mut(&mut self) -> Vec<(&'static str, ValuesMut<'_>)> {
+        self.stepper.unknowns_mut()
+    }
+
+    fn reversed(&self) -> bool {
+        self.stepper.reversed()
+    }
+
+    fn set_reversed(&mut self, reversed: bool) {
+        self.stepper.set_reversed(reversed);
+    }
+}

@@ -1,0 +1,129 @@
+//! What a run has counted so far: the numbers behind its summary and its table, kept in checkpoints.
+
+use crate::model::Totals;
+use cf_diffusion::StepReport;
+use cf_output::{Cell, OutputError, Table};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The counts of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Ledger {
+    /// Steps made.
+    pub step: u64,
+    /// Time reached [s].
+    pub time: f64,
+    /// Mass at the start [P m^D].
+    pub start: f64,
+    /// Added by sources.
+    pub emitted: f64,
+    /// Left through the walls.
+    pub outflow: f64,
+    pub solves: usize,
+    pub iterations: usize,
+    /// Largest mean over the solves of one step.
+    pub most_iterations: usize,
+    pub residual: f64,
+    /// Explicit and transport sub-steps, the most in one step.
+    pub substeps: usize,
+    pub transport_substeps: usize,
+    /// Smallest and largest step [s].
+    pub dt: Option<(f64, f64)>,
+    /// Wall seconds by phase, and in all.
+    pub phases: BTreeMap<String, f64>,
+    pub seconds: f64,
+    /// One row a frame.
+    pub rows: Vec<Row>,
+    /// Records of the field files, as JSON.
+    pub records: Vec<String>,
+    /// Files written.
+    pub files: Vec<String>,
+    /// `phi` at half time, where a claim needs it.
+    pub half: Option<Vec<f64>>,
+    /// Whether pictures and tables are done.
+    pub finished: bool,
+}
+
+/// One row of the table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Row {
+    pub frame: u32,
+    pub step: u64,
+    pub time: f64,
+    pub mass: f64,
+    pub emitted: f64,
+    pub outflow: f64,
+    pub magnitude: f64,
+    pub min: f64,
+    pub max: f64,
+}
+
+impl Ledger {
+    /// Counts a step of `dt` [s].
+    pub fn count(&mut self, report: &StepReport, dt: f64) {
+        self.step += 1;
+        self.emitted += report.emitted;
+        self.outflow += report.outflow;
+        self.solves += report.solves;
+        self.iterations += report.iterations;
+        self.most_iterations = self.most_iterations.max(report.iterations.div_ceil(report.solves.max(1)));
+        self.residual = self.residual.max(report.residual);
+        self.substeps = self.substeps.max(report.substeps);
+        self.transport_substeps = self.transport_substeps.max(report.transport_substeps);
+        let (low, high) = self.dt.unwrap_or((dt, dt));
+        self.dt = Some((low.min(dt), high.max(dt)));
+    }
+
+    /// Adds the row of a frame.
+    pub fn enter(&mut self, frame: u32, totals: Totals) {
+        self.rows.push(Row {
+            frame,
+            step: self.step,
+            time: self.time,
+            mass: totals.mass,
+            emitted: self.emitted,
+            outflow: self.outflow,
+            magnitude: totals.magnitude,
+            min: totals.min,
+            max: totals.max,
+        });
+    }
+
+    /// What the mass budget misses, relative to the sum of |phi| or to what was emitted.
+    pub fn drift(&self, totals: Totals) -> f64 {
+        let missing = totals.mass - self.start - self.emitted + self.outflow;
+        let scale = totals.magnitude.max(self.emitted.abs()).max(self.start.abs());
+        if missing == 0.0 { 0.0 } else { missing / scale }
+    }
+
+    /// The rows as a table.
+    pub fn table(&self) -> Result<Table, OutputError> {
+        let mut table = Table::new(&[
+            "frame",
+            "step",
+            "time [s]",
+            "mass [P m^D]",
+            "emitted [P m^D]",
+            "outflow [P m^D]",
+            "missing [P m^D]",
+            "sum |phi| [P m^D]",
+            "min phi [P]",
+            "max phi [P]",
+        ]);
+        for row in &self.rows {
+            table.push([
+                Cell::Count(row.frame.into()),
+                row.step.into(),
+                row.time.into(),
+                row.mass.into(),
+                row.emitted.into(),
+                row.outflow.into(),
+                (row.mass - self.start - row.emitted + row.outflow).into(),
+                row.magnitude.into(),
+                row.min.into(),
+                row.max.into(),
+            ])?;
+        }
+        Ok(table)
+    }
+}

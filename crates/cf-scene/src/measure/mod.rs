@@ -1,0 +1,264 @@
+//! Claims against results: what each statement says, measured. What cannot be measured does not hold.
+
+mod cone;
+mod order;
+mod reach;
+mod sample;
+
+use crate::run::{Evidence, Needs};
+use crate::scene::Scene;
+use crate::spec::{Claim, ClaimSource, Direction, Front, Kind, Quantity, Statement};
+use crate::summary::{ClaimResult, RunSummary};
+use sample::Sample;
+
+/// A run with what it left.
+pub(crate) type Run<'a> = (&'a Scene, &'a RunSummary, &'a Evidence);
+
+/// What the claims need of a run.
+pub(crate) fn needs(run: &str, claims: &[Claim]) -> Needs {
+    let mut needs = Needs::default();
+    for claim in claims {
+        match &claim.statement {
+            Statement::ConeAngle { run: name, .. }
+            | Statement::NoUpstreamTail { run: name, .. }
+            | Statement::Within { run: name, .. } => needs.phi |= name == run,
+            Statement::Monotone { runs, .. } => needs.phi |= runs.iter().any(|name| name == run),
+            Statement::EqualBits { runs: (a, b) } => {
+                let named = a == run || b == run;
+                (needs.phi, needs.flux) = (needs.phi | named, needs.flux | named);
+            }
+            Statement::Order { runs, reference, .. } => {
+                needs.phi |= reference == run || runs.iter().any(|name| name == run);
+            }
+            Statement::MassBudget { .. } => {}
+            Statement::Speed { run: name, .. } => {
+                let named = name == run;
+                (needs.phi, needs.half) = (needs.phi | named, needs.half | named);
+            }
+        }
+    }
+    needs
+}
+
+/// What a statement came to.
+#[derive(Debug, Default)]
+struct Finding {
+    expected: String,
+    measured: String,
+    value: Option<f64>,
+    tolerance: Option<f64>,
+    pass: bool,
+}
+
+/// Checks a claim.
+pub(crate) fn check(claim: &Claim, runs: &[Run<'_>]) -> ClaimResult {
+    let finding = match statement(&claim.statement, runs) {
+        Ok(finding) => finding,
+        Err(reason) => Finding { measured: format!("not measurable: {reason}"), ..expectation(&claim.statement) },
+    };
+    let (kind, reason) = match &claim.kind {
+        Kind::Must => ("Must", None),
+        Kind::Report => ("Report", None),
+        Kind::KnownFalse(reason) => ("KnownFalse", Some(reason.clone())),
+    };
+    ClaimResult {
+        name: claim.name.clone(),
+        source: match claim.source {
+            ClaimSource::Paper => "Paper".into(),
+            ClaimSource::Ours => "Ours".into(),
+        },
+        kind: kind.into(),
+        reason,
+        expected: finding.expected,
+        measured: finding.measured,
+        value: finding.value,
+        tolerance: finding.tolerance,
+        pass: finding.pass,
+    }
+}
+
+/// What a statement expects, in words.
+fn expectation(statement: &Statement) -> Finding {
+    let (expected, tolerance) = match statement {
+        Statement::ConeAngle { expected, tolerance, .. } => {
+            (format!("a half angle of {expected}° within {tolerance}°"), Some(*tolerance))
+        }
+        Statement::NoUpstreamTail { cells, fraction, .. } => (
+            format!("|phi| at most {fraction:e} of its maximum further than {cells} cells upstream of the source"),
+            Some(*fraction),
+        ),
+        Statement::Within { quantity, low, high, .. } => {
+            let words = match (low, high) {
+                (Some(low), Some(high)) => format!("{} from {low} to {high}", words(quantity)),
+                (Some(low), None) => format!("{} at least {low}", words(quantity)),
+                (None, Some(high)) => format!("{} at most {high}", words(quantity)),
+                (None, None) => words(quantity),
+            };
+            (words, None)
+        }
+        Statement::Monotone { quantity, runs, direction } => {
+            let way = match direction {
+                Direction::Rising => "rising",
+                Direction::Falling => "falling",
+            };
+            (format!("{} {way} over {}", words(quantity), runs.join(", ")), None)
+        }
+        Statement::EqualBits { runs: (a, b) } => (format!("{a} and {b} end with the same bits"), None),
+        Statement::Order { parameter, expected, tolerance, .. } => {
+            (format!("distance ~ {parameter:?}^{expected} within {tolerance}"), Some(*tolerance))
+        }
+        Statement::MassBudget { tolerance } => {
+            (format!("nothing missing beyond {tolerance:e} of the sum of |phi|"), Some(*tolerance))
+        }
+        Statement::Speed { expected, tolerance, front, .. } => {
+            let front = if *front == Front::Fore { "fore" } else { "aft" };
+            (format!("the {front} pulse at {expected} m/s within {tolerance}"), Some(*tolerance))
+        }
+    };
+    Finding { expected, tolerance, ..Finding::default() }
+}
+
+fn words(quantity: &Quantity) -> String {
+    match quantity {
+        Quantity::Mass => "mass [P m^D]".into(),
+        Quantity::Maximum => "largest phi [P]".into(),
+        Quantity::Minimum => "smallest phi [P]".into(),
+        Quantity::RadiusOfGyration => "radius of gyration [m]".into(),
+        Quantity::UpstreamLeak { cells, .. } => format!("share of |phi| further than {cells} cells upstream"),
+        Quantity::OutsideCone { .. } => "share of |phi| out of reach of the source's signals".into(),
+    }
+}
+
+fn statement(statement: &Statement, runs: &[Run<'_>]) -> Result<Finding, String> {
+    let mut finding = expectation(statement);
+    let near = |value: f64, expected: f64, tolerance: f64| (value - expected).abs() <= tolerance;
+    match statement {
+        Statement::ConeAngle { run, expected, tolerance, source, rows } => {
+            let run = find(runs, run)?;
+            let angle = cone::half_angle(&phi(run)?, &reach::flow(run.0)?, source, *rows)?;
+            finding.pass = near(angle.degrees, *expected, *tolerance);
+            finding.measured =
+                format!("{:.2}° ({:.2}° to {:.2}° over {} sides)", angle.degrees, angle.least, angle.most, angle.sides);
+            finding.value = Some(angle.degrees);
+        }
+        Statement::NoUpstreamTail { run, source, cells, fraction } => {
+            let run = find(runs, run)?;
+            let sample = phi(run)?;
+            let all = sample.phi.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+            let tail =
+                reach::upstream(&sample, run.0, *source, *cells)?.fold(0.0, |most: f64, value| most.max(value.abs()));
+            let share = if all > 0.0 { tail / all } else { return Err("phi is zero everywhere".into()) };
+            finding.pass = share <= *fraction;
+            finding.measured = format!("{share:.3e} of the maximum");
+            finding.value = Some(share);
+        }
+        Statement::Within { quantity, run, low, high } => {
+            let value = measure(*quantity, find(runs, run)?)?;
+            finding.pass = low.is_none_or(|low| value >= low) && high.is_none_or(|high| value <= high);
+            finding.measured = number(value);
+            finding.value = Some(value);
+        }
+        Statement::Monotone { quantity, runs: names, direction } => {
+            let values =
+                names.iter().map(|name| measure(*quantity, find(runs, name)?)).collect::<Result<Vec<_>, _>>()?;
+            finding.pass = values.windows(2).all(|pair| match direction {
+                Direction::Rising => pair[0] < pair[1],
+                Direction::Falling => pair[0] > pair[1],
+            });
+            finding.measured = values.iter().map(|value| number(*value)).collect::<Vec<_>>().join(", ");
+        }
+        Statement::EqualBits { runs: (a, b) } => {
+            let (a, b) = (find(runs, a)?, find(runs, b)?);
+            let differing = differing(a, b)?;
+            finding.pass = differing == 0;
+            finding.measured = match differing {
+                0 => "equal".into(),
+                count => format!("{count} numbers differ"),
+            };
+            finding.value = Some(differing as f64);
+        }
+        Statement::Order { parameter, runs: names, reference, expected, tolerance } => {
+            let reference = phi(find(runs, reference)?)?;
+            let mut points = Vec::new();
+            for name in names {
+                let run = find(runs, name)?;
+                let knob = crate::check::read(*parameter, run.0).ok_or("the parameter has no value")?;
+                points.push((knob, order::distance(&phi(run)?, &reference)?));
+            }
+            let power = order::power(&points)?;
+            finding.pass = near(power, *expected, *tolerance);
+            let distances: Vec<String> = points.iter().map(|(_, distance)| format!("{distance:.3e}")).collect();
+            finding.measured = format!("power {power:.3}; distances {}", distances.join(", "));
+            finding.value = Some(power);
+        }
+        Statement::MassBudget { tolerance } => {
+            let worst = runs.iter().map(|(_, summary, _)| (summary.mass.drift.abs(), &summary.name));
+            let worst = worst.max_by(|a, b| a.0.total_cmp(&b.0)).ok_or("there is no run")?;
+            finding.pass = worst.0 <= *tolerance;
+            finding.measured = format!("{:.2e} at most, in {}", worst.0, worst.1);
+            finding.value = Some(worst.0);
+        }
+        Statement::Speed { run, front, expected, tolerance } => {
+            let run = find(runs, run)?;
+            let half = run.2.half.as_deref().ok_or("there is no phi at half time")?;
+            let end = phi(run)?;
+            let place = |phi: &[f64]| {
+                let x: Vec<f64> = (0..phi.len()).map(|i| end.centre(0, i)).collect();
+                let fronts = cf_diffusion::exact::single_field::measured_fronts(&x, phi);
+                fronts.map(|[aft, fore]| if *front == Front::Fore { fore } else { aft }).ok_or("phi has no maximum")
+            };
+            let speed = (place(&end.phi)? - place(half)?) / (run.2.time - 0.5 * run.0.schedule.until);
+            if !speed.is_finite() {
+                return Err("no time passed".into());
+            }
+            finding.pass = near(speed, *expected, *tolerance);
+            finding.measured = format!("{speed:.4} m/s");
+            finding.value = Some(speed);
+        }
+    }
+    Ok(finding)
+}
+
+fn number(value: f64) -> String {
+    if value != 0.0 && !(1e-3..1e5).contains(&value.abs()) { format!("{value:.3e}") } else { format!("{value:.5}") }
+}
+
+fn find<'r, 'a>(runs: &'r [Run<'a>], name: &str) -> Result<&'r Run<'a>, String> {
+    runs.iter().find(|run| run.1.name == name).ok_or_else(|| format!("there is no run `{name}`"))
+}
+
+fn phi(run: &Run<'_>) -> Result<Sample, String> {
+    let phi = run.2.phi.clone().ok_or_else(|| format!("the end of run `{}` was not kept", run.1.name))?;
+    Ok(Sample::new(&run.0.grid, phi))
+}
+
+fn measure(quantity: Quantity, run: &Run<'_>) -> Result<f64, String> {
+    let sample = phi(run)?;
+    let whole: f64 = sample.phi.iter().map(|value| value.abs()).sum();
+    let share = |part: f64| if whole > 0.0 { Ok(part / whole) } else { Err("phi is zero everywhere".to_owned()) };
+    match quantity {
+        Quantity::Mass => Ok(run.1.mass.end),
+        Quantity::Maximum => Ok(sample.phi.iter().copied().fold(f64::NEG_INFINITY, f64::max)),
+        Quantity::Minimum => Ok(sample.phi.iter().copied().fold(f64::INFINITY, f64::min)),
+        Quantity::RadiusOfGyration => sample.radius_of_gyration().ok_or_else(|| "phi is zero everywhere".to_owned()),
+        Quantity::UpstreamLeak { source, cells } => {
+            share(reach::upstream(&sample, run.0, source, cells)?.map(|value| value.abs()).sum())
+        }
+        Quantity::OutsideCone { source } => share(reach::outside(&sample, run.0, source, run.2.time)?),
+    }
+}
+
+/// How many numbers of two runs differ in their bits.
+fn differing(a: &Run<'_>, b: &Run<'_>) -> Result<usize, String> {
+    let count = |a: &[f64], b: &[f64]| {
+        let pairs = a.iter().zip(b).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
+        pairs + a.len().abs_diff(b.len())
+    };
+    let fluxes = (a.2.flux.as_ref(), b.2.flux.as_ref());
+    let (Some(one), Some(other)) = fluxes else { return Err("the fluxes were not kept".into()) };
+    if one.len() != other.len() {
+        return Err("only one of the runs has a flux with memory".into());
+    }
+    let fluxes: usize = one.iter().zip(other).map(|(a, b)| count(a, b)).sum();
+    Ok(count(&phi(a)?.phi, &phi(b)?.phi) + fluxes)
+}

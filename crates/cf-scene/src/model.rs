@@ -1,0 +1,100 @@
+//! What the run loop knows of a model: it advances, it can be looked at, and its state can be stored.
+
+use crate::spec::Field;
+use crate::stopwatch::Stopwatch;
+use crate::summary::{FieldBytes, Range};
+use cf_diffusion::{StepError, StepReport};
+use cf_output::{Array, OutputError, Scalar, Slice};
+
+/// A running model. Time is kept by whoever runs it.
+pub(crate) trait Model {
+    /// One step of `dt` [s] from time `from` [s].
+    fn advance(&mut self, from: f64, dt: f64, watch: &mut Stopwatch) -> Result<StepReport, StepFailure>;
+    /// Sums and extremes of `phi`.
+    fn totals(&self) -> Totals;
+    /// The fields to be written, borrowed; those that the model does not have are left out.
+    fn arrays(&self, fields: &[Field]) -> Result<Vec<Array<'_>>, OutputError>;
+    /// `phi` cell by cell, x fastest.
+    fn phi(&self) -> Vec<f64>;
+    /// `phi` on a layer of cells, the first remaining axis fastest.
+    fn layer(&self, slice: Slice) -> Vec<f64>;
+    /// The slow flux, one array per axis; empty without memory.
+    fn flux(&self) -> Vec<Vec<f64>>;
+    /// What is stored, with its size.
+    fn fields(&self) -> Vec<FieldBytes>;
+    /// Extremes of every field.
+    fn ranges(&self) -> Vec<Range>;
+    /// The plan of the linear solver and its reason.
+    fn solver(&self) -> (String, String);
+    /// A field and a cell that hold no number, if there are such.
+    fn not_finite(&self) -> Option<(&'static str, Vec<usize>)>;
+    /// The state that a checkpoint keeps.
+    fn state(&self) -> Vec<(&'static str, Values<'_>)>;
+    /// The same, to be filled.
+    fn state_mut(&mut self) -> Vec<(&'static str, ValuesMut<'_>)>;
+    /// What the next step depends on besides the state.
+    fn reversed(&self) -> bool;
+    /// Sets it.
+    fn set_reversed(&mut self, reversed: bool);
+}
+
+/// Why a step was not made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StepFailure {
+    /// By transport and diffusion in turn.
+    #[error(transparent)]
+    Split(#[from] StepError),
+    /// By the scheme for fronts.
+    #[error(transparent)]
+    Front(#[from] cf_diffusion::front::FrontError),
+}
+
+/// Sums and extremes of `phi`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Totals {
+    /// Sum of phi times cell volume [P m^D].
+    pub mass: f64,
+    /// Sum of |phi| times cell volume [P m^D].
+    pub magnitude: f64,
+    pub min: f64,
+    pub max: f64,
+}
+
+/// Numbers of either precision.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Values<'a> {
+    F32(&'a [f32]),
+    F64(&'a [f64]),
+}
+
+/// Numbers of either precision, to be filled.
+#[derive(Debug)]
+pub(crate) enum ValuesMut<'a> {
+    F32(&'a mut [f32]),
+    F64(&'a mut [f64]),
+}
+
+/// A precision that can be computed with, written and stored.
+pub(crate) trait Number: cf_grid::Real + Scalar {
+    fn values(values: &[Self]) -> Values<'_>;
+    fn values_mut(values: &mut [Self]) -> ValuesMut<'_>;
+}
+
+impl Number for f32 {
+    fn values(values: &[f32]) -> Values<'_> {
+        Values::F32(values)
+    }
+    fn values_mut(values: &mut [f32]) -> ValuesMut<'_> {
+        ValuesMut::F32(values)
+    }
+}
+
+impl Number for f64 {
+    fn values(values: &[f64]) -> Values<'_> {
+        Values::F64(values)
+    }
+    fn values_mut(values: &mut [f64]) -> ValuesMut<'_> {
+        ValuesMut::F64(values)
+    }
+}

@@ -1,0 +1,240 @@
+//! How far a time step goes and who makes it: a pure function of the scene, with its reasons in words.
+//!
+//! Transport along one axis of a uniform medium is exact where it moves everything by whole cells. Explicit diffusion
+//! carries once per step, `D(dt/2) A(dt) D(dt/2)`, so the step is h/|u|; implicit diffusion carries half a step twice,
+//! `A(dt/2) D(dt) A(dt/2)`, so it is 2h/|u|. Both are taken as long as the waves move at most one cell, c dt <= h.
+//! Otherwise dt = cfl·h/(|u| + c). No rule goes beyond 1/64 of the run, which is what bounds a still medium without waves.
+
+use crate::scene::{Diffusion, Model, Scene, Schedule, TimeStep};
+use crate::spec::{Flow, Integrator, Medium, Splitting};
+use cf_diffusion::kdk_limit;
+
+/// Explicit sub-steps in one step up to which they beat two implicit solves.
+const MOST_EXPLICIT: f64 = 20.0;
+/// The fewest steps of a run whose step is chosen for it.
+const FEWEST_STEPS: f64 = 64.0;
+
+/// The time step and the integrator of a run, with reasons.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pace {
+    /// The longest step [s]; frames and switching sources shorten it.
+    pub dt: f64,
+    /// Why.
+    pub dt_reason: String,
+    /// How diffusion is integrated; `None` for a model that is solved exactly.
+    pub integrator: Option<Integrator>,
+    /// Why.
+    pub integrator_reason: String,
+}
+
+impl Pace {
+    /// The pace of a scene.
+    pub fn of(scene: &Scene) -> Pace {
+        let Model::Diffusion(model) = &scene.model else {
+            return Pace {
+                dt: scene.schedule.interval,
+                dt_reason: "the exact solution needs no steps between frames".into(),
+                integrator: None,
+                integrator_reason: "every Fourier mode has a closed form".into(),
+            };
+        };
+        if let Some(integrator) = scene.numerics.integrator {
+            let (dt, dt_reason) = step(scene, model, integrator);
+            let given = match scene.numerics.level {
+                crate::spec::Level::Draft if integrator == Integrator::PaperBe => "the draft level's choice",
+                _ => "the scene's choice",
+            };
+            return Pace { dt, dt_reason, integrator: Some(integrator), integrator_reason: given.into() };
+        }
+        let waves = model.law.tau > 0.0 && model.law.fourier == 0.0;
+        let (dt, dt_reason) = step(scene, model, Integrator::Kdk);
+        let ratio = dt / explicit_limit(scene, model);
+        if waves && ratio <= MOST_EXPLICIT {
+            let why = format!("pure waves (F_T = 0): explicit, at {ratio:.2} of its stability limit a step");
+            return Pace { dt, dt_reason, integrator: Some(Integrator::Kdk), integrator_reason: why };
+        }
+        let why = if waves {
+            format!("tau is so short that explicit steps would need {ratio:.0} sub-steps each")
+        } else {
+            "a part of the flux has no memory (F_T > 0 or tau = 0), which only implicit steps take at this length"
+                .into()
+        };
+        let (dt, dt_reason) = step(scene, model, Integrator::Sdirk2);
+        Pace { dt, dt_reason, integrator: Some(Integrator::Sdirk2), integrator_reason: why }
+    }
+}
+
+/// The longest stable explicit step [s].
+fn explicit_limit(scene: &Scene, model: &Diffusion) -> f64 {
+    let (h, d) = (scene.grid.spacing, scene.grid.dimension() as f64);
+    cf_diffusion::Law::new(model.law.k, model.law.tau, model.law.fourier)
+        .map_or(f64::NAN, |law| kdk_limit(&law, 4.0 * d / (h * h)))
+}
+
+fn step(scene: &Scene, model: &Diffusion, integrator: Integrator) -> (f64, String) {
+    let (cfl, may_shift) = match scene.numerics.step {
+        TimeStep::Fixed(dt) => return (dt, "fixed by the scene".into()),
+        TimeStep::Cfl(cfl) => (cfl, false),
+        TimeStep::Shift(cfl) => (cfl, integrator != Integrator::Characteristic),
+    };
+    let (h, until) = (scene.grid.spacing, scene.schedule.until);
+    let (u, c) = (fastest(scene, model), model.law.speed().unwrap_or(0.0));
+    let halves = scene.numerics.splitting == Splitting::Strang && integrator != Integrator::Kdk;
+    let cells = if halves { 2.0 } else { 1.0 };
+    let shift = cells * h / u;
+    let (dt, reason) = if may_shift && along_one_axis(&model.medium) && c * shift <= h * (1.0 + 1e-9) {
+        let how = if halves { "each half step of transport" } else { "transport" };
+        (shift, format!("|u| dt/h = {cells}: {how} moves everything by one whole cell, which is exact"))
+    } else {
+        (cfl * h / (u + c), format!("{cfl} h/(|u| + c) with |u| = {u} m/s and c = {c:.6} m/s"))
+    };
+    let bound = until / FEWEST_STEPS;
+    if dt <= bound || bound == 0.0 {
+        (dt, reason)
+    } else {
+        (bound, format!("1/{FEWEST_STEPS} of the run, below {reason}"))
+    }
+}
+
+fn along_one_axis(medium: &Medium) -> bool {
+    matches!(medium, Medium::Uniform(u) if u.iter().filter(|component| **component != 0.0).count() == 1)
+}
+
+/// A bound of the speed of the medium [m/s].
+pub(crate) fn fastest(scene: &Scene, model: &Diffusion) -> f64 {
+    let grid = &scene.grid;
+    match &model.medium {
+        Medium::Still => 0.0,
+        Medium::Uniform(u) => u.iter().map(|component| component * component).sum::<f64>().sqrt(),
+        Medium::Analytic(Flow::Rotation { center, rate }) => {
+            let reach = |axis: usize| {
+                let middle = center.get(axis).copied().unwrap_or(0.0);
+                (middle - grid.origin[axis]).abs().max((grid.origin[axis] + grid.extent[axis] - middle).abs())
+            };
+            rate.abs() * reach(0).hypot(reach(1))
+        }
+        Medium::Analytic(Flow::Deformation { .. }) => {
+            let longest = grid.extent.iter().copied().fold(0.0, f64::max);
+            if grid.dimension() == 3 { 2.0 * longest } else { longest }
+        }
+    }
+}
+
+/// Equal steps from one event to the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Leg {
+    pub start: f64,
+    pub end: f64,
+    /// How many steps.
+    pub steps: u64,
+    /// The frame at the end, if there is one.
+    pub frame: Option<u32>,
+}
+
+impl Leg {
+    pub fn dt(&self) -> f64 {
+        (self.end - self.start) / self.steps as f64
+    }
+
+    /// Where a step begins; step `steps` begins at the end exactly.
+    pub fn time(&self, step: u64) -> f64 {
+        if step >= self.steps {
+            self.end
+        } else {
+            self.start + (self.end - self.start) * (step as f64 / self.steps as f64)
+        }
+    }
+}
+
+/// The legs of a run: between frames, the times at which sources switch, and other times that must be hit.
+pub(crate) fn legs(schedule: &Schedule, others: impl Iterator<Item = f64>, dt: f64) -> Vec<Leg> {
+    let near = 1e-9 * schedule.until;
+    let inside = |time: &f64| *time > near && *time < schedule.until - near;
+    let mut events: Vec<(f64, Option<u32>)> = others.filter(inside).map(|time| (time, None)).collect();
+    events.extend((1..=schedule.frames).map(|frame| (schedule.frame_time(frame), Some(frame))));
+    // At equal times the frame comes first and swallows what follows within rounding.
+    events.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.is_some().cmp(&a.1.is_some())));
+    let mut legs: Vec<Leg> = Vec::with_capacity(events.len());
+    let mut start = 0.0;
+    for (end, frame) in events {
+        if end - start <= near {
+            // An event just before a frame moves to the frame; one just after is dropped.
+            match (legs.last_mut(), frame) {
+                (Some(last), Some(_)) if last.frame.is_none() => (last.end, last.frame) = (end, frame),
+                _ => continue,
+            }
+        } else {
+            legs.push(Leg { start, end, steps: 1, frame });
+        }
+        start = end;
+    }
+    for leg in &mut legs {
+        leg.steps = ((leg.end - leg.start) / dt - 1e-6).ceil().clamp(1.0, 1e15) as u64;
+    }
+    legs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Limits, SceneFile, Set};
+
+    const TEXT: &str = "(grid: (cells: (64, 128), extent: (4.0, 8.0)), \
+        sides: (x: Walls(low: Open, high: Open), y: Walls(low: Open, high: Open)), \
+        model: Diffusion(law: (k: 0.25, tau: 4.0), medium: Uniform((0.0, 0.5))), run: (until: 12.5, frames: 25))";
+
+    fn pace(preset: &str, flags: &[&str]) -> Pace {
+        let sets: Vec<Set> = flags.iter().map(|flag| Set::parse(flag).unwrap()).collect();
+        let file = SceneFile::parse("s.ron", TEXT).unwrap();
+        Pace::of(&file.experiment(Some(preset), &sets, &Limits { memory: 1 << 30 }).unwrap().runs[0])
+    }
+
+    #[test]
+    fn a_uniform_medium_is_shifted_by_whole_cells() {
+        let explicit = pace("standard", &[]);
+        assert_eq!((explicit.integrator, explicit.dt), (Some(Integrator::Kdk), 0.125));
+        assert!(explicit.dt_reason.contains("exact"), "{}", explicit.dt_reason);
+        let implicit = pace("standard", &["model.law.fourier=0.5"]);
+        assert_eq!((implicit.integrator, implicit.dt), (Some(Integrator::Sdirk2), 12.5 / 64.0));
+        assert!(implicit.dt_reason.starts_with("1/64 of the run"), "{}", implicit.dt_reason);
+        assert_eq!(pace("standard", &["run.until=125.0", "model.law.fourier=0.5"]).dt, 0.25);
+        // Waves faster than a cell a step, and media across the axes, take the Courant rule.
+        assert!(pace("standard", &["model.law.k=2.0"]).dt < 0.5 * 0.125);
+        assert!(pace("standard", &["model.medium=Uniform((0.1, 0.5))"]).dt_reason.starts_with("0.5 h/"));
+    }
+
+    #[test]
+    fn levels_and_laws_choose_the_integrator() {
+        assert_eq!(pace("draft", &[]).integrator, Some(Integrator::PaperBe));
+        assert_eq!(pace("standard", &["model.law.tau=0.0"]).integrator, Some(Integrator::Sdirk2));
+        let stiff = pace("standard", &["model.law.tau=1e-6", "model.law.k=10.0", "accuracy.dt=0.1"]);
+        assert_eq!(stiff.integrator, Some(Integrator::Sdirk2));
+        assert!(stiff.integrator_reason.contains("sub-steps"), "{}", stiff.integrator_reason);
+        assert_eq!(pace("standard", &["accuracy.integrator=PaperBe"]).integrator_reason, "the scene's choice");
+        assert_eq!(pace("standard", &["accuracy.dt=0.01"]).dt, 0.01);
+    }
+
+    #[test]
+    fn a_still_medium_without_waves_takes_64_steps() {
+        let pace = pace("standard", &["model.medium=Still", "model.law.tau=0.0", "run.until=6.4"]);
+        assert!((pace.dt - 0.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn steps_divide_the_time_between_events() {
+        let schedule = Schedule { until: 1.0, frames: 4, interval: 0.25, steps: None };
+        let plain = legs(&schedule, std::iter::empty(), 0.1);
+        assert_eq!(
+            plain.iter().map(|leg| (leg.steps, leg.frame)).collect::<Vec<_>>(),
+            [(3, Some(1)), (3, Some(2)), (3, Some(3)), (3, Some(4))]
+        );
+        let switched = legs(&schedule, [0.3, 0.5 + 1e-12, 0.5 - 1e-12, 0.0, 1.0, 7.0].into_iter(), 0.1);
+        let ends: Vec<f64> = switched.iter().map(|leg| leg.end).collect();
+        assert_eq!(ends, [0.25, 0.3, 0.5, 0.75, 1.0]);
+        assert_eq!(switched.iter().filter_map(|leg| leg.frame).collect::<Vec<_>>(), [1, 2, 3, 4]);
+        assert_eq!(switched[2].time(switched[2].steps), 0.5);
+        let nothing = Schedule { until: 0.0, frames: 1, interval: 0.0, steps: None };
+        assert!(legs(&nothing, std::iter::empty(), 0.1).is_empty());
+        assert_eq!(legs(&schedule, std::iter::empty(), 0.25)[0].steps, 1);
+    }
+}

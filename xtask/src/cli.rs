@@ -1,0 +1,156 @@
+//! The command line.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+const EXIT_CODES: &str = "\
+Exit codes: 0 fine, 1 a claim, check or golden failed, 2 bad command line or scene (nothing is written), \
+3 numerical failure, 4 input or output, 130 interrupted.";
+
+/// Diffusion at a finite speed: figures, scenes, checks and measurements.
+#[derive(Parser, Debug)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", version, after_help = EXIT_CODES)]
+pub struct CommandLine {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// Every figure: what it shows, its sizes, the memory and time they are predicted to take.
+    #[command(after_help = "Example: cargo xtask list")]
+    List,
+    /// Runs the scenes of a figure, writes fields, pictures and a report, and checks its claims.
+    #[command(after_help = "Example: cargo xtask figure 3 --preset draft --set hc_2:model.law.k=0.2")]
+    Figure(FigureArgs),
+    /// Runs a scene of your own.
+    #[command(after_help = "Example: cargo xtask run my.ron --out out/first --set 'grid.cells=(128, 128)'")]
+    Run(RunArgs),
+    /// Checks a scene and prints the plan of every run, without running anything.
+    #[command(after_help = "Example: cargo xtask check scenes/fig03_cones.ron --preset paper")]
+    Check(CheckArgs),
+    /// Compares the solvers with exact solutions and with their own promises: order, mass, iterations, stability.
+    #[command(after_help = "Example: cargo xtask verify --extremes --count 2000 --seed 7")]
+    Verify(VerifyArgs),
+    /// Runs every scene at a small size and compares its numbers with the stored ones.
+    #[command(after_help = "Example: cargo xtask regress")]
+    Regress(RegressArgs),
+    /// Measures this machine's memory and the kernels against it.
+    #[command(after_help = "Example: cargo xtask bench solver --json bench.json")]
+    Bench(BenchArgs),
+}
+
+/// `figure`.
+#[derive(Args, Debug)]
+pub struct FigureArgs {
+    /// Number in the paper (3, A) or name of a scene (fig03_cones).
+    pub figure: String,
+    /// How to run it.
+    #[command(flatten)]
+    pub options: RunOptions,
+}
+
+/// `run`.
+#[derive(Args, Debug)]
+pub struct RunArgs {
+    /// The scene file.
+    pub scene: PathBuf,
+    /// How to run it.
+    #[command(flatten)]
+    pub options: RunOptions,
+}
+
+/// Options of every command that runs scenes for their results.
+#[derive(Args, Debug, Default)]
+pub struct RunOptions {
+    /// What to change in the scene.
+    #[command(flatten)]
+    pub scene: SceneOptions,
+    /// Where to write; out/<scene> unless given.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Worker threads; as many as the machine has unless given. Results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Go on from the checkpoint in the output folder.
+    #[arg(long)]
+    pub resume: bool,
+    /// Print errors only.
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Options that choose what a scene means.
+#[derive(Args, Debug, Default)]
+pub struct SceneOptions {
+    /// The size: draft, standard or paper, as the scene's own table says.
+    #[arg(long, default_value = "standard")]
+    pub preset: String,
+    /// Overrides a value of the scene, for every run or for one: model.law.k=0.25, hc_2:model.law.k=0.25.
+    #[arg(long = "set", value_name = "[RUN:]PATH=VALUE")]
+    pub sets: Vec<String>,
+}
+
+/// `check`.
+#[derive(Args, Debug)]
+pub struct CheckArgs {
+    /// A scene file, or the number or name of a figure.
+    pub scene: String,
+    /// What to change in it.
+    #[command(flatten)]
+    pub options: SceneOptions,
+}
+
+/// `verify`.
+#[derive(Args, Debug)]
+pub struct VerifyArgs {
+    /// Drawn parameters over the whole range a computer can hold, besides the tables.
+    #[arg(long)]
+    pub extremes: bool,
+    /// How many to draw.
+    #[arg(long, value_name = "N", default_value_t = 1000, requires = "extremes")]
+    pub count: usize,
+    /// Where the drawing starts; the same seed draws the same.
+    #[arg(long, value_name = "S", default_value_t = 1, requires = "extremes")]
+    pub seed: u64,
+    /// Only the tables whose name contains this.
+    #[arg(long, value_name = "NAME")]
+    pub only: Option<String>,
+}
+
+/// `regress`.
+#[derive(Args, Debug, Default)]
+pub struct RegressArgs {
+    /// Store the new numbers instead of comparing.
+    #[arg(long)]
+    pub bless: bool,
+    /// Only the scenes whose name contains this.
+    #[arg(long, value_name = "NAME")]
+    pub only: Option<String>,
+}
+
+/// What to measure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Bench {
+    /// Memory bandwidth.
+    Stream,
+    /// Elliptic solves.
+    Solver,
+    /// Whole diffusion steps.
+    Step,
+    /// All of them.
+    All,
+}
+
+/// `bench`.
+#[derive(Args, Debug)]
+pub struct BenchArgs {
+    /// What to measure; the memory bandwidth is always measured along.
+    #[arg(value_enum, default_value = "all")]
+    pub what: Bench,
+    /// Also write the numbers to this file.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}

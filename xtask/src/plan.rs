@@ -1,0 +1,153 @@
+//! What a run will do and roughly cost, from its scene alone.
+
+use crate::show;
+use cf_diffusion::{Coefficients, Law, Regime, hc, kdk_limit};
+use cf_linear::Plan;
+use cf_scene::spec::{Flow, Integrator, Medium, Precision};
+use cf_scene::{Model, Pace, Scene};
+
+/// What a run will do.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunPlan {
+    /// Regime of the law in its medium, in words.
+    pub regime: String,
+    /// The time step \[s\].
+    pub dt: f64,
+    /// Why this step.
+    pub dt_reason: String,
+    /// Steps to the end.
+    pub steps: f64,
+    /// The integrator and why.
+    pub integrator: String,
+    /// The solver and why.
+    pub solver: String,
+    /// Predicted wall seconds on two cores, within a factor of two or three.
+    pub seconds: f64,
+}
+
+/// Plans a run.
+pub fn plan(scene: &Scene) -> RunPlan {
+    let pace = Pace::of(scene);
+    let steps = steps(scene, pace.dt);
+    let (law, u) = match &scene.model {
+        Model::Diffusion(model) => (&model.law, medium_speed(scene, &model.medium)),
+        Model::SingleField(pulse) => (&pulse.law, pulse.velocity.abs()),
+    };
+    let law = Law::new(law.k, law.tau, law.fourier).ok();
+    let (solver, cost) = match pace.integrator {
+        Some(integrator) => solver(scene, law.as_ref(), integrator, pace.dt),
+        None => ("none".into(), EXACT),
+    };
+    let moves = if u > 0.0 && pace.integrator.is_some() { transport_cost(scene) } else { 0.0 };
+    let name = pace.integrator.map_or_else(|| "exact".into(), |integrator| format!("{integrator:?}"));
+    RunPlan {
+        regime: words(&law, u),
+        dt: pace.dt,
+        dt_reason: pace.dt_reason,
+        steps,
+        integrator: format!("{name}: {}", pace.integrator_reason),
+        solver,
+        seconds: steps * cells(scene) * (cost + moves) * 1e-9 * word(scene) + FRAME * f64::from(scene.schedule.frames),
+    }
+}
+
+fn cells(scene: &Scene) -> f64 {
+    scene.grid.cells.iter().map(|&n| n as f64).product()
+}
+
+fn steps(scene: &Scene, dt: f64) -> f64 {
+    let schedule = &scene.schedule;
+    // Steps divide the time between frames.
+    let frames = f64::from(schedule.frames.max(1));
+    let all = frames * (schedule.until / frames / dt - 1e-6).ceil().max(1.0);
+    schedule.steps.map_or(all, |most| all.min(most as f64))
+}
+
+fn words(law: &Option<Law>, u: f64) -> String {
+    let Some(law) = law else { return "unknown".into() };
+    let regime = Regime::of(law, u);
+    match (law.speed(), hc(law, u)) {
+        (Some(c), Some(hc)) => format!("{regime}, c = {c:.4} m/s, |u| = {u:.4} m/s, H_c = {hc:.4}"),
+        _ => format!("{regime}, no finite speed, |u| = {u:.4} m/s"),
+    }
+}
+
+/// The largest speed in the box \[m/s\].
+fn medium_speed(scene: &Scene, medium: &Medium) -> f64 {
+    let grid = &scene.grid;
+    match medium {
+        Medium::Still => 0.0,
+        Medium::Uniform(u) => u.iter().map(|v| v * v).sum::<f64>().sqrt(),
+        Medium::Analytic(Flow::Rotation { center, rate }) => {
+            let arm = |axis: usize| {
+                let low = center[axis] - grid.origin[axis];
+                low.abs().max((grid.extent[axis] - low).abs())
+            };
+            rate.abs() * arm(0).hypot(arm(1))
+        }
+        // A bound: the flow is made of unit speeds on a unit box.
+        Medium::Analytic(Flow::Deformation { .. }) => {
+            let longest = grid.extent.iter().copied().fold(0.0, f64::max);
+            if grid.dimension() == 3 { 2.0 * longest } else { longest }
+        }
+    }
+}
+
+/// The solver in words, and what diffusion costs \[ns per cell and step in f64 on two cores\].
+fn solver(scene: &Scene, law: Option<&Law>, integrator: Integrator, dt: f64) -> (String, f64) {
+    let (dimension, h) = (scene.grid.dimension(), scene.grid.spacing);
+    let Some(law) = law else { return ("unknown".into(), 0.0) };
+    if integrator == Integrator::Kdk {
+        let limit = kdk_limit(law, 4.0 * dimension as f64 / (h * h));
+        let substeps = (dt / limit).ceil().max(1.0);
+        let words = format!("none; {substeps:.0} explicit sub-steps, stable up to {limit:.3e} s");
+        return (words, substeps * KDK);
+    }
+    let (stage, solves) = match integrator {
+        Integrator::Sdirk2 => ((1.0 - std::f64::consts::FRAC_1_SQRT_2) * dt, 2.0),
+        _ => (dt, 1.0),
+    };
+    let kappa = Coefficients::new(law, stage).beta / (h * h);
+    let choice = match scene.numerics.solver {
+        cf_scene::spec::Solver::Auto => {
+            Plan::choose(dimension, 1.0, kappa, 2.0 * kappa, scene.numerics.tolerance).to_string()
+        }
+        asked => format!("{asked:?}, as the scene asks; kappa = {kappa:.2e}"),
+    };
+    let cost = if choice.starts_with("Multigrid") { MULTIGRID } else { CHEBYSHEV };
+    let digits = -scene.numerics.tolerance.log10() / 5.0;
+    (choice, solves * cost * digits)
+}
+
+fn transport_cost(scene: &Scene) -> f64 {
+    let fields = 1 + scene.grid.dimension();
+    TRANSPORT * fields as f64
+}
+
+fn word(scene: &Scene) -> f64 {
+    if scene.numerics.precision == Precision::F32 { 0.6 } else { 1.0 }
+}
+
+/// Costs in nanoseconds per cell on two cores in f64, rounded up: one explicit sub-step, one solve to five digits, and
+/// the transport of one field over a step.
+const KDK: f64 = 10.0;
+const CHEBYSHEV: f64 = 60.0;
+const MULTIGRID: f64 = 200.0;
+const TRANSPORT: f64 = 25.0;
+const EXACT: f64 = 1e3;
+/// Files and pictures of a frame [s].
+const FRAME: f64 = 0.02;
+
+impl RunPlan {
+    /// Lines for a person.
+    pub fn lines(&self) -> Vec<(&'static str, String)> {
+        vec![
+            ("regime", self.regime.clone()),
+            ("time step", format!("{:.4e} s: {}", self.dt, self.dt_reason)),
+            ("steps", format!("{:.0}", self.steps)),
+            ("integrator", self.integrator.clone()),
+            ("solver", self.solver.clone()),
+            ("predicted time", format!("about {}", show::seconds(self.seconds))),
+        ]
+    }
+}

@@ -39,27 +39,12 @@ impl Coefficients {
     /// A negative step, or one that is not a number, has no coefficients: all are NaN.
     pub fn new(law: &Law, dt: f64) -> Coefficients {
         let dt = if dt >= 0.0 { dt } else { f64::NAN };
-        let (v, w) = if dt == 0.0 {
-            (0.0, 1.0)
-        } else {
-            (dt / (law.tau() + dt), law.tau() / (law.tau() + dt))
-        };
+        let (v, w) = if dt == 0.0 { (0.0, 1.0) } else { (dt / (law.tau() + dt), law.tau() / (law.tau() + dt)) };
         let (fast, slow) = (law.k_fourier(), law.k_cattaneo());
         // Without memory this is Fourier's step bit for bit, whichever of τ = 0 and F_T = 1 made it so.
         let fourier = dt * law.k();
-        let beta = if law.has_memory() {
-            (dt * (fast + v * slow)).min(fourier)
-        } else {
-            fourier
-        };
-        Coefficients {
-            beta,
-            pull: w * dt,
-            keep: w,
-            gain: v * slow,
-            fast,
-            dt,
-        }
+        let beta = if law.has_memory() { (dt * (fast + v * slow)).min(fourier) } else { fourier };
+        Coefficients { beta, pull: w * dt, keep: w, gain: v * slow, fast, dt }
     }
 }
 
@@ -84,16 +69,8 @@ impl Kicks {
     /// The fast flux of a law with F_T > 0 is not part of this step.
     pub fn new(law: &Law, dt: f64) -> Kicks {
         let dt = if dt >= 0.0 { dt } else { f64::NAN };
-        let x = if dt == 0.0 {
-            0.0
-        } else {
-            -0.5 * dt / law.tau()
-        };
-        Kicks {
-            keep: x.exp(),
-            gain: -x.exp_m1() * law.k_cattaneo(),
-            dt,
-        }
+        let x = if dt == 0.0 { 0.0 } else { -0.5 * dt / law.tau() };
+        Kicks { keep: x.exp(), gain: -x.exp_m1() * law.k_cattaneo(), dt }
     }
 }
 
@@ -106,11 +83,7 @@ pub fn kdk_limit(law: &Law, lambda_max: f64) -> f64 {
     let tau = law.tau();
     let heat = 2.0 / law.k_cattaneo() / lambda_max;
     if !(0.0..f64::INFINITY).contains(&heat) {
-        return if heat == f64::INFINITY {
-            heat
-        } else {
-            f64::NAN
-        };
+        return if heat == f64::INFINITY { heat } else { f64::NAN };
     }
     let wave = (2.0 * heat).sqrt() * tau.sqrt();
     let stable = |dt: f64| dt * (0.5 * dt / tau).tanh() <= heat;
@@ -160,14 +133,7 @@ mod tests {
         // τ → ∞ at a fixed speed: β → (cΔt)².
         let wave = Coefficients::new(&Law::from_speed(0.5, 1e30, 0.0).unwrap(), 0.1);
         assert_relative_eq!(wave.beta, 0.0025, max_relative = 1e-14);
-        assert_eq!(
-            Kicks::new(&law(2.0, 0.0, 0.0), 0.1),
-            Kicks {
-                keep: 0.0,
-                gain: 2.0,
-                dt: 0.1
-            }
-        );
+        assert_eq!(Kicks::new(&law(2.0, 0.0, 0.0), 0.1), Kicks { keep: 0.0, gain: 2.0, dt: 0.1 });
         assert!(Coefficients::new(&law(1.0, 1.0, 0.0), -1.0).beta.is_nan());
         assert!(Kicks::new(&law(1.0, 1.0, 0.0), f64::NAN).gain.is_nan());
     }
@@ -175,16 +141,8 @@ mod tests {
     #[test]
     fn the_explicit_limit_has_both_ends() {
         // c = 1, h = 1/4, d = 2: h/(c√d); heat: h²/(2 d k).
-        assert_relative_eq!(
-            kdk_limit(&law(1e12, 1e12, 0.0), 128.0),
-            0.125 * 2f64.sqrt(),
-            max_relative = 1e-12
-        );
-        assert_relative_eq!(
-            kdk_limit(&law(3.0, 1e-12, 0.0), 128.0),
-            1.0 / 192.0,
-            max_relative = 1e-12
-        );
+        assert_relative_eq!(kdk_limit(&law(1e12, 1e12, 0.0), 128.0), 0.125 * 2f64.sqrt(), max_relative = 1e-12);
+        assert_relative_eq!(kdk_limit(&law(3.0, 1e-12, 0.0), 128.0), 1.0 / 192.0, max_relative = 1e-12);
         assert_eq!(kdk_limit(&law(3.0, 0.0, 0.0), 128.0), 1.0 / 192.0);
         assert_eq!(kdk_limit(&law(0.0, 1.0, 0.0), 128.0), f64::INFINITY);
         assert!(kdk_limit(&law(1.0, 1.0, 0.0), f64::NAN).is_nan());

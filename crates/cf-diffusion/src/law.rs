@@ -73,11 +73,7 @@ impl Law {
         if hc > 0.0 && hc.is_finite() {
             Law::from_speed(medium_speed / hc, tau, fourier)
         } else {
-            Err(LawError::OutOfRange {
-                parameter: "H_c",
-                found: hc,
-                expected: "a finite number above 0",
-            })
+            Err(LawError::OutOfRange { parameter: "H_c", found: hc, expected: "a finite number above 0" })
         }
     }
 
@@ -119,11 +115,7 @@ impl Law {
         let (k_c, tau) = (self.k_cattaneo(), self.tau);
         let square = k_c / tau;
         // The quotient alone may leave the range of f64 where c itself does not.
-        let speed = if square.is_normal() {
-            square.sqrt()
-        } else {
-            k_c.sqrt() / tau.sqrt()
-        };
+        let speed = if square.is_normal() { square.sqrt() } else { k_c.sqrt() / tau.sqrt() };
         self.has_memory().then_some(speed)
     }
 }
@@ -133,11 +125,7 @@ fn finite_from_zero(parameter: &'static str, value: f64) -> Result<f64, LawError
     if value >= 0.0 && value.is_finite() {
         Ok(value + 0.0)
     } else {
-        Err(LawError::OutOfRange {
-            parameter,
-            found: value,
-            expected: "a finite number, 0 or more",
-        })
+        Err(LawError::OutOfRange { parameter, found: value, expected: "a finite number, 0 or more" })
     }
 }
 
@@ -162,11 +150,7 @@ impl TryFrom<Numbers> for Law {
 #[cfg(feature = "serde")]
 impl From<Law> for Numbers {
     fn from(law: Law) -> Numbers {
-        Numbers {
-            k: law.k,
-            tau: law.tau,
-            fourier: law.fourier,
-        }
+        Numbers { k: law.k, tau: law.tau, fourier: law.fourier }
     }
 }
 
@@ -179,59 +163,20 @@ mod tests {
     #[test]
     fn what_is_refused_is_named() {
         for bad in [-1.0, f64::NAN, f64::INFINITY] {
-            assert!(
-                Law::new(bad, 1.0, 0.5)
-                    .unwrap_err()
-                    .to_string()
-                    .starts_with("k [m^2/s] is")
-            );
-            assert!(
-                Law::new(1.0, bad, 0.5)
-                    .unwrap_err()
-                    .to_string()
-                    .starts_with("tau [s] is")
-            );
-            assert!(
-                Law::from_speed(bad, 1.0, 0.5)
-                    .unwrap_err()
-                    .to_string()
-                    .starts_with("speed c")
-            );
-            assert!(
-                Law::from_hc(bad, 1.0, 1.0, 0.5)
-                    .unwrap_err()
-                    .to_string()
-                    .starts_with("H_c")
-            );
-            assert!(
-                Law::from_hc(1.0, bad, 1.0, 0.5)
-                    .unwrap_err()
-                    .to_string()
-                    .starts_with("medium speed")
-            );
+            assert!(Law::new(bad, 1.0, 0.5).unwrap_err().to_string().starts_with("k [m^2/s] is"));
+            assert!(Law::new(1.0, bad, 0.5).unwrap_err().to_string().starts_with("tau [s] is"));
+            assert!(Law::from_speed(bad, 1.0, 0.5).unwrap_err().to_string().starts_with("speed c"));
+            assert!(Law::from_hc(bad, 1.0, 1.0, 0.5).unwrap_err().to_string().starts_with("H_c"));
+            assert!(Law::from_hc(1.0, bad, 1.0, 0.5).unwrap_err().to_string().starts_with("medium speed"));
         }
         for bad in [-1e-9, 1.0 + 1e-9, f64::NAN] {
-            assert!(
-                Law::new(1.0, 1.0, bad)
-                    .unwrap_err()
-                    .to_string()
-                    .contains("a share in [0, 1]")
-            );
+            assert!(Law::new(1.0, 1.0, bad).unwrap_err().to_string().contains("a share in [0, 1]"));
         }
-        assert!(matches!(
-            Law::from_speed(1.0, 0.0, 0.5),
-            Err(LawError::NoMemory { .. })
-        ));
-        assert!(matches!(
-            Law::from_speed(1.0, 1.0, 1.0),
-            Err(LawError::NoMemory { .. })
-        ));
+        assert!(matches!(Law::from_speed(1.0, 0.0, 0.5), Err(LawError::NoMemory { .. })));
+        assert!(matches!(Law::from_speed(1.0, 1.0, 1.0), Err(LawError::NoMemory { .. })));
         assert!(Law::from_hc(0.0, 1.0, 1.0, 0.0).is_err());
         let text = Law::cattaneo(-2.0, 1.0).unwrap_err().to_string();
-        assert_eq!(
-            text,
-            "k [m^2/s] is -2e0, expected a finite number, 0 or more"
-        );
+        assert_eq!(text, "k [m^2/s] is -2e0, expected a finite number, 0 or more");
     }
 
     #[test]
@@ -247,16 +192,8 @@ mod tests {
 
     #[test]
     fn the_speed_exists_where_its_square_does_not() -> Result<(), LawError> {
-        assert_relative_eq!(
-            Law::cattaneo(1e300, 1e-300)?.speed().unwrap(),
-            1e300,
-            max_relative = 1e-15
-        );
-        assert_relative_eq!(
-            Law::cattaneo(1e-300, 1e300)?.speed().unwrap(),
-            1e-300,
-            max_relative = 1e-15
-        );
+        assert_relative_eq!(Law::cattaneo(1e300, 1e-300)?.speed().unwrap(), 1e300, max_relative = 1e-15);
+        assert_relative_eq!(Law::cattaneo(1e-300, 1e300)?.speed().unwrap(), 1e-300, max_relative = 1e-15);
         Ok(())
     }
 

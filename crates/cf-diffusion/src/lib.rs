@@ -51,6 +51,7 @@ mod state;
 mod step_error;
 mod stepper;
 mod sweeps;
+#[cfg(any(test, feature = "verify"))]
 pub mod verify;
 mod walls;
 

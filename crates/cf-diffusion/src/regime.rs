@@ -39,9 +39,7 @@ impl Regime {
             None => Regime::Fourier,
             Some(h) if (h - 1.0).abs() <= CRITICAL_TOLERANCE => Regime::Critical,
             Some(h) if h < 1.0 => Regime::Subcritical,
-            Some(h) => Regime::Supercritical {
-                half_angle: half_angle(h),
-            },
+            Some(h) => Regime::Supercritical { half_angle: half_angle(h) },
         }
     }
 
@@ -77,11 +75,7 @@ pub fn hc(law: &Law, medium_speed: f64) -> Option<f64> {
 /// Half-angle of the wake asin(1/H_c) \[rad\]: H_c = 2/√3, √2, 2 give 60°, 45°, 30°. Not a number where there is no
 /// wake (H_c < 1); π/2 within [`CRITICAL_TOLERANCE`] of 1.
 pub fn half_angle(hc: f64) -> f64 {
-    if (hc - 1.0).abs() <= CRITICAL_TOLERANCE {
-        FRAC_PI_2
-    } else {
-        (1.0 / hc.max(0.0)).asin()
-    }
+    if (hc - 1.0).abs() <= CRITICAL_TOLERANCE { FRAC_PI_2 } else { (1.0 / hc.max(0.0)).asin() }
 }
 
 #[cfg(test)]
@@ -106,14 +100,9 @@ mod tests {
         assert_eq!(Regime::of(&law, 0.0), Regime::Subcritical);
         assert_eq!(Regime::of(&law, 0.39), Regime::Subcritical);
         assert_eq!(Regime::of(&law, -0.4), Regime::Critical);
-        assert_eq!(
-            Regime::of(&law, 0.8).to_string(),
-            "super-critical (half-angle 30.0°)"
-        );
+        assert_eq!(Regime::of(&law, 0.8).to_string(), "super-critical (half-angle 30.0°)");
         assert_eq!(Regime::of(&Law::fourier(0.16)?, 0.8), Regime::Fourier);
-        assert!(
-            matches!(Regime::of(&law, f64::NAN), Regime::Supercritical { half_angle } if half_angle.is_nan())
-        );
+        assert!(matches!(Regime::of(&law, f64::NAN), Regime::Supercritical { half_angle } if half_angle.is_nan()));
         Ok(())
     }
 
@@ -121,10 +110,7 @@ mod tests {
     fn nothing_spreads_at_zero_diffusivity() -> Result<(), LawError> {
         let law = Law::cattaneo(0.0, 1.0)?;
         assert_eq!(hc(&law, 0.0), Some(0.0));
-        assert_eq!(
-            Regime::of(&law, 1.0),
-            Regime::Supercritical { half_angle: 0.0 }
-        );
+        assert_eq!(Regime::of(&law, 1.0), Regime::Supercritical { half_angle: 0.0 });
         Ok(())
     }
 

@@ -22,13 +22,7 @@ pub const SDIRK2_GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 pub fn paper_be(law: &Law, dt: f64, lambda: f64) -> ModeMatrix {
     let c = Coefficients::new(law, dt);
     let inverse = 1.0 + c.beta * lambda;
-    [
-        [1.0 / inverse, -c.pull / inverse],
-        [
-            c.gain * lambda / inverse,
-            c.keep * ((1.0 + c.fast * lambda * dt) / inverse),
-        ],
-    ]
+    [[1.0 / inverse, -c.pull / inverse], [c.gain * lambda / inverse, c.keep * ((1.0 + c.fast * lambda * dt) / inverse)]]
 }
 
 /// Two implicit stages over γΔt, A = J [I + ((1−γ)/γ)(J − I)] with J = [`paper_be`] over γΔt. Second order, L-stable.
@@ -70,11 +64,7 @@ mod tests {
         let a = scheme(law, 1.0 / f64::from(steps), lambda);
         let all = (1..steps).fold(a, |product, _| multiply(&a, &product));
         let exact = propagator(law, lambda, 1.0);
-        energy_norm(
-            law,
-            lambda,
-            &[0, 1].map(|i| [0, 1].map(|j| all[i][j] - exact[i][j])),
-        )
+        energy_norm(law, lambda, &[0, 1].map(|i| [0, 1].map(|j| all[i][j] - exact[i][j])))
     }
 
     fn order(scheme: Scheme, law: &Law) -> f64 {
@@ -83,16 +73,9 @@ mod tests {
 
     /// The larger modulus of the eigenvalues.
     fn spectral_radius(a: &ModeMatrix) -> f64 {
-        let (half, det) = (
-            0.5 * (a[0][0] + a[1][1]),
-            a[0][0] * a[1][1] - a[0][1] * a[1][0],
-        );
+        let (half, det) = (0.5 * (a[0][0] + a[1][1]), a[0][0] * a[1][1] - a[0][1] * a[1][0]);
         let root = half * half - det;
-        if root < 0.0 {
-            det.sqrt()
-        } else {
-            half.abs() + root.sqrt()
-        }
+        if root < 0.0 { det.sqrt() } else { half.abs() + root.sqrt() }
     }
 
     #[test]
@@ -111,10 +94,7 @@ mod tests {
             let law = Law::new(1.0, tau, 0.0).unwrap();
             for scheme in [paper_be as Scheme, sdirk2, kdk] {
                 assert_eq!(scheme(&law, 0.0, 7.0), [[1.0, 0.0], [0.0, 1.0]]);
-                assert!(
-                    scheme(&law, -1.0, 7.0)[0][0].is_nan()
-                        && scheme(&law, 1.0, f64::NAN)[1][0].is_nan()
-                );
+                assert!(scheme(&law, -1.0, 7.0)[0][0].is_nan() && scheme(&law, 1.0, f64::NAN)[1][0].is_nan());
             }
         }
     }

@@ -63,11 +63,7 @@ impl AxisModes {
 
     /// The largest eigenvalue \[1/m²\], which bounds an explicit step; below 4/h².
     pub fn largest(&self) -> f64 {
-        self.eigenvalue(if self.walls == Walls::Periodic {
-            self.cells / 2
-        } else {
-            self.cells - 1
-        })
+        self.eigenvalue(if self.walls == Walls::Periodic { self.cells / 2 } else { self.cells - 1 })
     }
 
     /// Vector m at the centre of cell `i`, x = (i + ½)h from the low end.
@@ -118,13 +114,7 @@ impl AxisModes {
 mod tests {
     use super::*;
 
-    const ALL: [Walls; 5] = [
-        Walls::Periodic,
-        Walls::Closed,
-        Walls::Valued,
-        Walls::ClosedValued,
-        Walls::ValuedClosed,
-    ];
+    const ALL: [Walls; 5] = [Walls::Periodic, Walls::Closed, Walls::Valued, Walls::ClosedValued, Walls::ValuedClosed];
 
     /// −∇²_h applied to `f`, written from the definition with ghost cells.
     fn minus_laplacian(walls: Walls, f: &[f64], h: f64) -> Vec<f64> {
@@ -140,15 +130,9 @@ mod tests {
             Walls::Valued | Walls::ClosedValued => -f[n - 1],
         };
         let at = |i: isize| {
-            if i < 0 {
-                low
-            } else {
-                *f.get(i as usize).unwrap_or(&high)
-            }
+            if i < 0 { low } else { *f.get(i as usize).unwrap_or(&high) }
         };
-        (0..n as isize)
-            .map(|i| (2.0 * at(i) - at(i - 1) - at(i + 1)) / (h * h))
-            .collect()
+        (0..n as isize).map(|i| (2.0 * at(i) - at(i - 1) - at(i + 1)) / (h * h)).collect()
     }
 
     #[test]
@@ -159,10 +143,7 @@ mod tests {
                 for m in 0..n {
                     let f: Vec<f64> = (0..n).map(|i| axis.vector(m, i)).collect();
                     for (a, b) in minus_laplacian(walls, &f, 0.3).iter().zip(&f) {
-                        assert!(
-                            (a - axis.eigenvalue(m) * b).abs() < 1e-13 * 4.0 / 0.09,
-                            "{walls:?} {n} {m}"
-                        );
+                        assert!((a - axis.eigenvalue(m) * b).abs() < 1e-13 * 4.0 / 0.09, "{walls:?} {n} {m}");
                     }
                     assert!(axis.eigenvalue(m) <= axis.largest() * (1.0 + 1e-15));
                 }
@@ -177,10 +158,7 @@ mod tests {
                 let axis = AxisModes::new(walls, n, 1.0).unwrap();
                 for (m, l) in (0..n).flat_map(|m| (0..n).map(move |l| (m, l))) {
                     let dot: f64 = (0..n).map(|i| axis.vector(m, i) * axis.vector(l, i)).sum();
-                    assert!(
-                        (dot - f64::from(u8::from(m == l))).abs() < 1e-13,
-                        "{walls:?} {n} {m} {l}"
-                    );
+                    assert!((dot - f64::from(u8::from(m == l))).abs() < 1e-13, "{walls:?} {n} {m} {l}");
                 }
             }
         }
@@ -190,18 +168,8 @@ mod tests {
     fn corners() {
         assert_eq!(AxisModes::new(Walls::Closed, 0, 1.0), None);
         assert_eq!(AxisModes::new(Walls::Closed, 4, f64::NAN), None);
-        assert_eq!(
-            AxisModes::new(Walls::Periodic, 1, 1.0)
-                .unwrap()
-                .eigenvalue(0),
-            0.0
-        );
+        assert_eq!(AxisModes::new(Walls::Periodic, 1, 1.0).unwrap().eigenvalue(0), 0.0);
         // Any index has a value.
-        assert!(
-            AxisModes::new(Walls::Periodic, 4, 1.0)
-                .unwrap()
-                .vector(usize::MAX, usize::MAX)
-                .is_finite()
-        );
+        assert!(AxisModes::new(Walls::Periodic, 4, 1.0).unwrap().vector(usize::MAX, usize::MAX).is_finite());
     }
 }

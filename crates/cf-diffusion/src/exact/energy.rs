@@ -12,11 +12,7 @@ use crate::law::Law;
 
 /// The energy E′ = φ²/2 + τD²/(2kΛ) of a mode, per volume \[P²\]. It never grows under this law, for any F_T.
 pub fn energy(law: &Law, lambda: f64, state: ModeState) -> f64 {
-    let flux = if state[1] == 0.0 {
-        0.0
-    } else {
-        weight(law, lambda) * state[1]
-    };
+    let flux = if state[1] == 0.0 { 0.0 } else { weight(law, lambda) * state[1] };
     0.5 * (state[0] * state[0] + flux * flux)
 }
 
@@ -26,11 +22,7 @@ pub fn energy(law: &Law, lambda: f64, state: ModeState) -> f64 {
 pub fn energy_norm(law: &Law, lambda: f64, a: &ModeMatrix) -> f64 {
     let s = weight(law, lambda);
     let upper = if a[0][1] == 0.0 { 0.0 } else { a[0][1] / s };
-    let lower = if s == 0.0 {
-        [0.0; 2]
-    } else {
-        [a[1][0] * s, a[1][1]]
-    };
+    let lower = if s == 0.0 { [0.0; 2] } else { [a[1][0] * s, a[1][1]] };
     let sum = (a[0][0] + lower[1]).hypot(lower[0] - upper);
     let difference = (a[0][0] - lower[1]).hypot(lower[0] + upper);
     0.5 * (sum + difference)
@@ -48,12 +40,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn any_law() -> impl Strategy<Value = (Law, f64)> {
-        let share = prop_oneof![
-            Just(0.0),
-            Just(1.0),
-            0.0..1.0f64,
-            (-12.0..0.0f64).prop_map(|e| 1.0 - 10f64.powf(e))
-        ];
+        let share = prop_oneof![Just(0.0), Just(1.0), 0.0..1.0f64, (-12.0..0.0f64).prop_map(|e| 1.0 - 10f64.powf(e))];
         let tau = prop_oneof![1 => Just(0.0), 8 => (-15.0..30.0f64).prop_map(|e| 10f64.powf(e))];
         (-12.0..12.0f64, tau, share, -10.0..14.0f64)
             .prop_map(|(k, tau, f, l)| (Law::new(10f64.powf(k), tau, f).unwrap(), 10f64.powf(l)))
@@ -66,12 +53,9 @@ mod tests {
         let scale = (law.tau() / (law.k() * lambda)).sqrt();
         let growth = |angle: f64| {
             let state = [angle.cos(), angle.sin() / scale];
-            (energy(&law, lambda, evolve(&law, lambda, 0.4, state)) / energy(&law, lambda, state))
-                .sqrt()
+            (energy(&law, lambda, evolve(&law, lambda, 0.4, state)) / energy(&law, lambda, state)).sqrt()
         };
-        let most = (0..2000)
-            .map(|i| growth(f64::from(i) * 0.002))
-            .fold(0.0, f64::max);
+        let most = (0..2000).map(|i| growth(f64::from(i) * 0.002)).fold(0.0, f64::max);
         assert!((energy_norm(&law, lambda, &p) / most - 1.0).abs() < 1e-5);
         assert_eq!(energy(&law, 0.0, [2.0, 0.0]), 2.0);
     }

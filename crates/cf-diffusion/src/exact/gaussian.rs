@@ -74,11 +74,7 @@ impl Gaussian {
             (low, high) = (high, (2.0 * high).min(top));
         }
         self.height
-            * if dim == 2 {
-                1.0
-            } else {
-                std::f64::consts::FRAC_2_SQRT_PI * std::f64::consts::FRAC_1_SQRT_2
-            }
+            * if dim == 2 { 1.0 } else { std::f64::consts::FRAC_2_SQRT_PI * std::f64::consts::FRAC_1_SQRT_2 }
             * sum
     }
 
@@ -97,9 +93,7 @@ impl Gaussian {
     /// The initial data is the Gaussian and its mirror images; a wall is not noticed at first from 8 s away.
     pub fn closed(&self, law: &Law, length: f64, centre: f64, x: f64, t: f64) -> f64 {
         let step = std::f64::consts::PI / length;
-        2.0 * self.modes(step, |k| {
-            response(law, k * k, t) * (k * x).cos() * (k * centre).cos()
-        })
+        2.0 * self.modes(step, |k| response(law, k * k, t) * (k * x).cos() * (k * centre).cos())
     }
 
     /// A s (ΔK/√(2π)) [f(0) + 2 Σ e^{−K²s²/2} f(K)] over the multiples K of `step` = ΔK.
@@ -132,49 +126,30 @@ mod tests {
         (1, [0.2, 0.0, 2.0], 0.04291285317408019),
     ];
 
-    const PULSE: Gaussian = Gaussian {
-        height: 1.0,
-        sigma: 0.1,
-    };
+    const PULSE: Gaussian = Gaussian { height: 1.0, sigma: 0.1 };
 
     #[test]
     fn free_space_agrees_with_many_digits() {
         for (dim, [share, r, t], expected) in REFERENCE {
             let found = PULSE.free(&Law::new(1.0, 1.0, share).unwrap(), dim, r, t);
-            assert!(
-                (found - expected).abs() < 1e-15,
-                "{dim} {share} {r} {t}: {:e}",
-                found - expected
-            );
+            assert!((found - expected).abs() < 1e-15, "{dim} {share} {r} {t}: {:e}", found - expected);
         }
     }
 
     #[test]
     fn fouriers_law_has_its_closed_form() {
         let law = Law::fourier(0.3).unwrap();
-        for (dim, r, t) in [
-            (1, 0.3, 0.1),
-            (2, 0.0, 2.0),
-            (3, 0.5, 0.01),
-            (2, 5.0, 1e4),
-            (3, 0.2, 0.0),
-        ] {
+        for (dim, r, t) in [(1, 0.3, 0.1), (2, 0.0, 2.0), (3, 0.5, 0.01), (2, 5.0, 1e4), (3, 0.2, 0.0)] {
             let (found, expected) = (PULSE.free(&law, dim, r, t), PULSE.fourier(0.3, dim, r, t));
-            assert!(
-                (found - expected).abs() < 1e-14,
-                "{dim} {r} {t}: {:e}",
-                found - expected
-            );
+            assert!((found - expected).abs() < 1e-14, "{dim} {r} {t}: {:e}", found - expected);
         }
     }
 
     #[test]
     fn memory_is_forgotten() {
         // Relative difference to Fourier's law O(τ/t); the model's measured value is 2.0e-3 at t = 500 τ.
-        let (late, heat) = (
-            PULSE.free(&Law::cattaneo(1.0, 1.0).unwrap(), 1, 0.0, 500.0),
-            PULSE.fourier(1.0, 1, 0.0, 500.0),
-        );
+        let (late, heat) =
+            (PULSE.free(&Law::cattaneo(1.0, 1.0).unwrap(), 1, 0.0, 500.0), PULSE.fourier(1.0, 1, 0.0, 500.0));
         assert!((late / heat - 1.0).abs() < 1e-3);
     }
 
@@ -194,10 +169,7 @@ mod tests {
     fn a_wall_mirrors() {
         // Centred on the wall, the closed half is the free line twice.
         let law = Law::new(0.02, 1.0, 0.0).unwrap();
-        assert!(
-            (PULSE.closed(&law, 4.0, 0.0, 0.3, 1.0) - 2.0 * PULSE.free(&law, 1, 0.3, 1.0)).abs()
-                < 1e-13
-        );
+        assert!((PULSE.closed(&law, 4.0, 0.0, 0.3, 1.0) - 2.0 * PULSE.free(&law, 1, 0.3, 1.0)).abs() < 1e-13);
     }
 
     #[test]
@@ -205,9 +177,7 @@ mod tests {
         // Least φ at t = τ/2 behind the front, F_T = 0: −0.069 in 2D, −0.057 in 3D.
         let law = Law::cattaneo(1.0, 1.0).unwrap();
         for (dim, expected) in [(2, -0.069), (3, -0.057)] {
-            let least = (0..200)
-                .map(|i| PULSE.free(&law, dim, 0.004 * f64::from(i), 0.5))
-                .fold(0.0, f64::min);
+            let least = (0..200).map(|i| PULSE.free(&law, dim, 0.004 * f64::from(i), 0.5)).fold(0.0, f64::min);
             assert!((least - expected).abs() < 1e-3, "{dim}: {least}");
         }
     }
@@ -215,24 +185,12 @@ mod tests {
     #[test]
     fn corners() {
         let law = Law::cattaneo(1.0, 1.0).unwrap();
-        assert!(
-            PULSE.free(&law, 4, 0.0, 1.0).is_nan() && PULSE.free(&law, 3, f64::NAN, 1.0).is_nan()
-        );
-        assert!(
-            PULSE.free(&law, 3, 1.0, f64::INFINITY).is_nan()
-                && PULSE.free(&law, 3, f64::INFINITY, 1.0).is_nan()
-        );
+        assert!(PULSE.free(&law, 4, 0.0, 1.0).is_nan() && PULSE.free(&law, 3, f64::NAN, 1.0).is_nan());
+        assert!(PULSE.free(&law, 3, 1.0, f64::INFINITY).is_nan() && PULSE.free(&law, 3, f64::INFINITY, 1.0).is_nan());
         for sigma in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-300] {
             let pulse = Gaussian { height: 1.0, sigma };
-            assert!(
-                pulse.free(&law, 2, 0.3, 1.0).is_nan()
-                    && pulse.periodic(&law, 1.0, 0.3, 1.0).is_nan(),
-                "{sigma}"
-            );
+            assert!(pulse.free(&law, 2, 0.3, 1.0).is_nan() && pulse.periodic(&law, 1.0, 0.3, 1.0).is_nan(), "{sigma}");
         }
-        assert!(
-            PULSE.periodic(&law, 0.0, 0.1, 1.0).is_nan()
-                && PULSE.closed(&law, 1.0, f64::NAN, 0.0, 0.0).is_nan()
-        );
+        assert!(PULSE.periodic(&law, 0.0, 0.1, 1.0).is_nan() && PULSE.closed(&law, 1.0, f64::NAN, 0.0, 0.0).is_nan());
     }
 }

@@ -46,22 +46,10 @@ pub fn propagator(law: &Law, lambda: f64, t: f64) -> ModeMatrix {
         let n = shape.square.sqrt();
         let e1 = (-law.k() * lambda * t / (m + n)).exp();
         let e2 = (-(m + n) * theta).exp();
-        let sigma = if e1 == 0.0 {
-            0.0
-        } else {
-            e1 * relative_decay(n, theta)
-        };
+        let sigma = if e1 == 0.0 { 0.0 } else { e1 * relative_decay(n, theta) };
         // dσ with C: the mean of e₁ and e₂ and half their difference, the cancelling part taken out.
-        let rest = if slow == 0.0 {
-            0.0
-        } else {
-            slow / (n + d.abs()) * sigma
-        };
-        if d >= 0.0 {
-            (e1 + rest, e2 - rest, sigma)
-        } else {
-            (e2 - rest, e1 + rest, sigma)
-        }
+        let rest = if slow == 0.0 { 0.0 } else { slow / (n + d.abs()) * sigma };
+        if d >= 0.0 { (e1 + rest, e2 - rest, sigma) } else { (e2 - rest, e1 + rest, sigma) }
     } else {
         let n = (-shape.square).sqrt();
         let e = (-m * theta).exp();
@@ -73,10 +61,7 @@ pub fn propagator(law: &Law, lambda: f64, t: f64) -> ModeMatrix {
             (e * cos + d * sigma, e * cos - d * sigma, sigma)
         }
     };
-    [
-        [phi, -law.tau() * sigma],
-        [law.k_cattaneo() * lambda * sigma, flux],
-    ]
+    [[phi, -law.tau() * sigma], [law.k_cattaneo() * lambda * sigma, flux]]
 }
 
 /// The state `t` seconds after `state`, in a medium at rest and without a source.
@@ -105,8 +90,7 @@ pub fn apply(a: &ModeMatrix, s: ModeState) -> ModeState {
 pub fn oscillation_band(law: &Law) -> Option<[f64; 2]> {
     let r = 1.0 + (1.0 - law.fourier_share()).sqrt();
     let length = law.k().sqrt() * law.tau().sqrt();
-    (law.has_memory() && length > 0.0)
-        .then(|| [1.0 / (r * length), r / (law.fourier_share() * length)])
+    (law.has_memory() && length > 0.0).then(|| [1.0 / (r * length), r / (law.fourier_share() * length)])
 }
 
 /// The dimensionless numbers of a mode that do not depend on time.
@@ -126,22 +110,13 @@ impl Shape {
         let fast = law.k_fourier() * law.tau() * lambda;
         let slow = law.k_cattaneo() * law.tau() * lambda;
         let d = 0.5 - 0.5 * fast;
-        Shape {
-            m: 0.5 + 0.5 * fast,
-            d,
-            slow,
-            square: d * d - slow,
-        }
+        Shape { m: 0.5 + 0.5 * fast, d, slow, square: d * d - slow }
     }
 }
 
 /// (1 − e^{−2nθ})/2n, and its limit θ as n → 0.
 fn relative_decay(n: f64, theta: f64) -> f64 {
-    if n * theta < 1e-300 {
-        theta
-    } else {
-        -(-2.0 * n * theta).exp_m1() / (2.0 * n)
-    }
+    if n * theta < 1e-300 { theta } else { -(-2.0 * n * theta).exp_m1() / (2.0 * n) }
 }
 
 #[cfg(test)]
@@ -180,12 +155,7 @@ mod tests {
     }
 
     fn any_law() -> impl Strategy<Value = (Law, f64)> {
-        let share = prop_oneof![
-            Just(0.0),
-            Just(1.0),
-            0.0..1.0f64,
-            (-12.0..0.0f64).prop_map(|e| 1.0 - 10f64.powf(e))
-        ];
+        let share = prop_oneof![Just(0.0), Just(1.0), 0.0..1.0f64, (-12.0..0.0f64).prop_map(|e| 1.0 - 10f64.powf(e))];
         let tau = prop_oneof![1 => Just(0.0), 8 => (-15.0..30.0f64).prop_map(|e| 10f64.powf(e))];
         (-12.0..12.0f64, tau, share, -10.0..14.0f64)
             .prop_map(|(k, tau, f, l)| (Law::new(10f64.powf(k), tau, f).unwrap(), 10f64.powf(l)))
@@ -195,12 +165,7 @@ mod tests {
     fn agrees_with_many_digits() {
         for ([k, tau, share, lambda, t], p) in REFERENCE {
             let law = Law::new(k, tau, share).unwrap();
-            let error = distance(
-                &law,
-                lambda,
-                &propagator(&law, lambda, t),
-                &[[p[0], p[1]], [p[2], p[3]]],
-            );
+            let error = distance(&law, lambda, &propagator(&law, lambda, t), &[[p[0], p[1]], [p[2], p[3]]]);
             assert!(error < 2e-15, "{law:?} {lambda} {t}: {error:e}");
         }
     }
@@ -211,10 +176,7 @@ mod tests {
         for ([k, tau, share, lambda, t], p) in [REFERENCE[4], REFERENCE[8], REFERENCE[12]] {
             let found = propagator(&Law::new(k, tau, share).unwrap(), lambda, t);
             for (found, expected) in found.iter().flatten().zip(p) {
-                assert!(
-                    (found / expected - 1.0).abs() < 1e-9,
-                    "{found:e} {expected:e}"
-                );
+                assert!((found / expected - 1.0).abs() < 1e-9, "{found:e} {expected:e}");
             }
         }
     }
@@ -223,25 +185,15 @@ mod tests {
     fn limits_of_the_law() {
         let fourier = (-2.0f64 * 3.0 * 0.1).exp();
         let still = Law::new(2.0, 0.0, 0.25).unwrap();
-        assert_eq!(
-            propagator(&still, 3.0, 0.1),
-            [[fourier, -0.0], [1.5 * 3.0 * fourier, 0.0]]
-        );
+        assert_eq!(propagator(&still, 3.0, 0.1), [[fourier, -0.0], [1.5 * 3.0 * fourier, 0.0]]);
         let one = propagator(&Law::new(2.0, 5.0, 1.0).unwrap(), 3.0, 0.1);
         assert!(
-            (one[0][0] - fourier).abs() < 1e-15
-                && one[1][0] == 0.0
-                && (one[1][1] - (-0.02f64).exp()).abs() < 1e-15
+            (one[0][0] - fourier).abs() < 1e-15 && one[1][0] == 0.0 && (one[1][1] - (-0.02f64).exp()).abs() < 1e-15
         );
         // A uniform field does not change, and nothing happens in no time.
-        assert_eq!(
-            evolve(&Law::cattaneo(2.0, 1.0).unwrap(), 0.0, 7.0, [3.0, 0.0]),
-            [3.0, 0.0]
-        );
+        assert_eq!(evolve(&Law::cattaneo(2.0, 1.0).unwrap(), 0.0, 7.0, [3.0, 0.0]), [3.0, 0.0]);
         assert_eq!(evolve(&still, 3.0, 0.0, [3.0, 4.0]), [3.0, 4.0]);
-        assert!(
-            response(&still, f64::NAN, 1.0).is_nan() && response(&still, 1.0, f64::NAN).is_nan()
-        );
+        assert!(response(&still, f64::NAN, 1.0).is_nan() && response(&still, 1.0, f64::NAN).is_nan());
     }
 
     #[test]
@@ -250,10 +202,7 @@ mod tests {
         for wave_number in oscillation_band(&law).unwrap() {
             assert!(Shape::of(&law, wave_number * wave_number).square.abs() < 1e-14);
         }
-        assert_eq!(
-            oscillation_band(&Law::cattaneo(1.0, 1.0).unwrap()),
-            Some([0.5, f64::INFINITY])
-        );
+        assert_eq!(oscillation_band(&Law::cattaneo(1.0, 1.0).unwrap()), Some([0.5, f64::INFINITY]));
         assert_eq!(oscillation_band(&Law::fourier(1.0).unwrap()), None);
     }
 

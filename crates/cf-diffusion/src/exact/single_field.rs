@@ -39,49 +39,26 @@ pub enum SingleField {
 
 impl SingleField {
     /// All three, in the order above.
-    pub const ALL: [SingleField; 3] = [
-        SingleField::Printed,
-        SingleField::Material,
-        SingleField::TwoField,
-    ];
+    pub const ALL: [SingleField; 3] = [SingleField::Printed, SingleField::Material, SingleField::TwoField];
 
     /// φ at time `t` ≥ 0 \[s\] from its `samples` at time 0, equally spaced over a periodic line of `length` \[m\] in a
     /// flow of `velocity` V \[m/s\]. The result has the length of `samples`.
     ///
     /// Exact for band-limited data, to rounding; of a pattern that changes sign from sample to sample only the part
     /// in phase with the samples is kept. The transform is direct: the work is the square of the sample count.
-    pub fn evolve(
-        self,
-        samples: &[f64],
-        length: f64,
-        law: &Law,
-        velocity: f64,
-        t: f64,
-    ) -> Vec<f64> {
+    pub fn evolve(self, samples: &[f64], length: f64, law: &Law, velocity: f64, t: f64) -> Vec<f64> {
         let n = samples.len();
-        let turns: Vec<Complex<f64>> = (0..n)
-            .map(|j| modes::drift(2.0 * PI * j as f64 / n as f64, 1.0))
-            .collect();
+        let turns: Vec<Complex<f64>> = (0..n).map(|j| modes::drift(2.0 * PI * j as f64 / n as f64, 1.0)).collect();
         let amplitudes: Vec<Complex<f64>> = (0..=n / 2)
             .map(|m| {
-                let sum: Complex<f64> = samples
-                    .iter()
-                    .enumerate()
-                    .map(|(i, &s)| turns[m * i % n.max(1)] * s)
-                    .sum();
+                let sum: Complex<f64> = samples.iter().enumerate().map(|(i, &s)| turns[m * i % n.max(1)] * s).sum();
                 // Modes m and n − m are conjugate and are counted together.
                 let count = if m == 0 || 2 * m == n { 1.0 } else { 2.0 };
                 let wave = 2.0 * PI * m as f64 / length;
                 sum * self.factor(wave, law, velocity, t) * (count / n as f64)
             })
             .collect();
-        let at = |i: usize| {
-            amplitudes
-                .iter()
-                .enumerate()
-                .map(|(m, a)| (a * turns[m * i % n].conj()).re)
-                .sum()
-        };
+        let at = |i: usize| amplitudes.iter().enumerate().map(|(m, a)| (a * turns[m * i % n].conj()).re).sum();
         (0..n).map(at).collect()
     }
 
@@ -118,11 +95,7 @@ impl SingleField {
                 // Their product is −c²: the smaller one is a quotient, so that it keeps its sign in a fast flow.
                 let large = 0.5 * (velocity.abs() + root);
                 let small = if c == 0.0 { 0.0 } else { c / large * c };
-                Some(if velocity < 0.0 {
-                    [-large, small]
-                } else {
-                    [-small, large]
-                })
+                Some(if velocity < 0.0 { [-large, small] } else { [-small, large] })
             }
             SingleField::Material | SingleField::TwoField => Some([velocity - c, velocity + c]),
         }
@@ -136,11 +109,7 @@ fn oscillate([a0, a1]: [Complex<f64>; 2], tau: f64, rate: Complex<f64>, t: f64) 
     }
     // The larger root by the sum that does not cancel, the smaller from their product a₀/τ.
     let root = (a1 * a1 - a0 * tau * 4.0).sqrt();
-    let sum = if (a1.conj() * root).re >= 0.0 {
-        a1 + root
-    } else {
-        a1 - root
-    };
+    let sum = if (a1.conj() * root).re >= 0.0 { a1 + root } else { a1 - root };
     let (large, small) = (-sum / (2.0 * tau), -a0 * 2.0 / sum);
     let half = (small - large) * 0.5;
     let mean = (small + large) * 0.5;
@@ -182,42 +151,25 @@ mod tests {
     const LENGTH: f64 = 4.0;
 
     fn line(n: usize, sigma: f64) -> (Vec<f64>, Vec<f64>) {
-        let x: Vec<f64> = (0..n)
-            .map(|i| LENGTH * (i as f64 + 0.5) / n as f64 - 0.5 * LENGTH)
-            .collect();
-        let phi = x
-            .iter()
-            .map(|x| (-0.5 * (x / sigma).powi(2)).exp())
-            .collect();
+        let x: Vec<f64> = (0..n).map(|i| LENGTH * (i as f64 + 0.5) / n as f64 - 0.5 * LENGTH).collect();
+        let phi = x.iter().map(|x| (-0.5 * (x / sigma).powi(2)).exp()).collect();
         (x, phi)
     }
 
     fn furthest(a: &[f64], b: &[f64]) -> f64 {
-        a.iter()
-            .zip(b)
-            .map(|(a, b)| (a - b).abs())
-            .fold(0.0, f64::max)
+        a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     }
 
     #[test]
     fn material_and_two_fields_are_one_model() {
         let (_, phi) = line(256, 0.08);
-        for (k, tau, share) in [
-            (1.0, 1e3, 0.0),
-            (1.0, 1.0, 0.0),
-            (0.1, 0.3, 0.4),
-            (0.1, 1e-6, 0.2),
-            (0.1, 0.0, 0.2),
-            (0.1, 2.0, 1.0),
-        ] {
+        for (k, tau, share) in
+            [(1.0, 1e3, 0.0), (1.0, 1.0, 0.0), (0.1, 0.3, 0.4), (0.1, 1e-6, 0.2), (0.1, 0.0, 0.2), (0.1, 2.0, 1.0)]
+        {
             let law = Law::new(k, tau, share).unwrap();
-            let [one, two] = [SingleField::Material, SingleField::TwoField]
-                .map(|m| m.evolve(&phi, LENGTH, &law, 0.7, 0.3));
-            assert!(
-                furthest(&one, &two) < 1e-12,
-                "{law:?}: {:e}",
-                furthest(&one, &two)
-            );
+            let [one, two] =
+                [SingleField::Material, SingleField::TwoField].map(|m| m.evolve(&phi, LENGTH, &law, 0.7, 0.3));
+            assert!(furthest(&one, &two) < 1e-12, "{law:?}: {:e}", furthest(&one, &two));
         }
     }
 
@@ -236,14 +188,8 @@ mod tests {
         let (x, phi) = line(257, 0.1);
         let law = Law::new(0.02, 1.0, 0.1).unwrap();
         let found = SingleField::TwoField.evolve(&phi, LENGTH, &law, 0.5, 0.8);
-        let pulse = Gaussian {
-            height: 1.0,
-            sigma: 0.1,
-        };
-        let expected: Vec<f64> = x
-            .iter()
-            .map(|x| pulse.periodic(&law, LENGTH, x - 0.4, 0.8))
-            .collect();
+        let pulse = Gaussian { height: 1.0, sigma: 0.1 };
+        let expected: Vec<f64> = x.iter().map(|x| pulse.periodic(&law, LENGTH, x - 0.4, 0.8)).collect();
         assert!(furthest(&found, &expected) < 1e-13);
     }
 
@@ -268,15 +214,11 @@ mod tests {
         let (x, phi) = line(1024, 0.03);
         for v in [-0.5, 0.0, 0.5, 1.0] {
             for model in SingleField::ALL {
-                let seen =
-                    |t: f64| measured_fronts(&x, &model.evolve(&phi, LENGTH, &law, v, t)).unwrap();
+                let seen = |t: f64| measured_fronts(&x, &model.evolve(&phi, LENGTH, &law, v, t)).unwrap();
                 let (early, late) = (seen(0.3), seen(0.8));
                 for (side, speed) in model.front_speeds(&law, v).unwrap().into_iter().enumerate() {
                     let measured = (late[side] - early[side]) / 0.5;
-                    assert!(
-                        (measured - speed).abs() < 2e-3,
-                        "{model:?} {v}: {measured} {speed}"
-                    );
+                    assert!((measured - speed).abs() < 2e-3, "{model:?} {v}: {measured} {speed}");
                 }
             }
         }
@@ -290,33 +232,14 @@ mod tests {
     #[test]
     fn corners() {
         let law = Law::cattaneo(1.0, 1.0).unwrap();
-        assert!(
-            SingleField::Printed
-                .evolve(&[], 1.0, &law, 1.0, 1.0)
-                .is_empty()
-        );
-        assert_eq!(
-            SingleField::Material.evolve(&[2.0], 1.0, &law, 1.0, 1.0),
-            [2.0]
-        );
+        assert!(SingleField::Printed.evolve(&[], 1.0, &law, 1.0, 1.0).is_empty());
+        assert_eq!(SingleField::Material.evolve(&[2.0], 1.0, &law, 1.0, 1.0), [2.0]);
         assert!(SingleField::Printed.evolve(&[1.0, 2.0, 4.0], 0.0, &law, 1.0, 1.0)[0].is_nan());
-        assert_eq!(
-            SingleField::Printed.front_speeds(&Law::new(1.0, 1.0, 0.1).unwrap(), 1.0),
-            None
-        );
-        assert_eq!(
-            SingleField::TwoField.front_speeds(&Law::fourier(1.0).unwrap(), 1.0),
-            None
-        );
+        assert_eq!(SingleField::Printed.front_speeds(&Law::new(1.0, 1.0, 0.1).unwrap(), 1.0), None);
+        assert_eq!(SingleField::TwoField.front_speeds(&Law::fourier(1.0).unwrap(), 1.0), None);
         assert_eq!(measured_fronts(&[0.0, 1.0], &[0.0]), None);
-        assert_eq!(
-            measured_fronts(&[0.0, 1.0, 2.0, 3.0], &[0.0, 1.0, 2.0, 3.0]),
-            None
-        );
-        assert_eq!(
-            measured_fronts(&[0.0, 1.0, 2.0], &[0.0, 1.0, 0.0]),
-            Some([1.0, 1.0])
-        );
+        assert_eq!(measured_fronts(&[0.0, 1.0, 2.0, 3.0], &[0.0, 1.0, 2.0, 3.0]), None);
+        assert_eq!(measured_fronts(&[0.0, 1.0, 2.0], &[0.0, 1.0, 0.0]), Some([1.0, 1.0]));
         assert_eq!(measured_fronts(&[0.0; 3], &[f64::NAN; 3]), None);
     }
 }

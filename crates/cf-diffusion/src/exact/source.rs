@@ -20,10 +20,7 @@ pub fn moving(law: &Law, lambda: f64, rate: f64, t: f64) -> [Complex<f64>; 2] {
     let theta = t / law.tau();
     let coupling = law.k_cattaneo() * lambda * t;
     let fast = law.k_fourier() * lambda * t;
-    let size = fast
-        .max(theta)
-        .max((coupling * theta).sqrt())
-        .max((rate * t).abs());
+    let size = fast.max(theta).max((coupling * theta).sqrt()).max((rate * t).abs());
     if t == 0.0 {
         [Complex::ZERO; 2]
     } else if !(t > 0.0 && lambda >= 0.0) {
@@ -66,20 +63,9 @@ fn root_by_root(law: &Law, lambda: f64, rate: f64, t: f64, shape: &Shape) -> [Co
     let turn = Complex::new(0.0, -rate * t);
     let slow = integral(turn - law.k() * lambda * t / larger, t);
     let fast = integral(turn - larger * (t / law.tau()), t);
-    let share = if shape.slow == 0.0 {
-        Complex::ZERO
-    } else {
-        shape.slow / ((n + shape.d.abs()) * n * 2.0)
-    };
-    let (own, other) = if shape.d >= 0.0 {
-        (slow, fast)
-    } else {
-        (fast, slow)
-    };
-    [
-        own + (own - other) * share,
-        (slow - fast) / (n * 2.0) * (law.k_cattaneo() * lambda),
-    ]
+    let share = if shape.slow == 0.0 { Complex::ZERO } else { shape.slow / ((n + shape.d.abs()) * n * 2.0) };
+    let (own, other) = if shape.d >= 0.0 { (slow, fast) } else { (fast, slow) };
+    [own + (own - other) * share, (slow - fast) / (n * 2.0) * (law.k_cattaneo() * lambda)]
 }
 
 /// ∫₀ᵗ e^{zs/t} ds = t (e^z − 1)/z.
@@ -91,11 +77,7 @@ fn integral(z: Complex<f64>, t: f64) -> Complex<f64> {
     let half = (0.5 * z.im).sin();
     let real = z.re.exp_m1() * z.im.cos() - 2.0 * half * half;
     let ratio = Complex::new(real, z.re.exp() * z.im.sin()) / z;
-    if z == Complex::ZERO {
-        Complex::new(t, 0.0)
-    } else {
-        ratio * t
-    }
+    if z == Complex::ZERO { Complex::new(t, 0.0) } else { ratio * t }
 }
 
 /// A⁻¹(e^{At} − I)(1, 0), the second row of A multiplied by τ.
@@ -107,10 +89,7 @@ fn by_quotient(law: &Law, lambda: f64, rate: f64, t: f64) -> [Complex<f64>; 2] {
     let c = law.k_cattaneo() * lambda;
     let d = Complex::new(-1.0, -rate * law.tau());
     let det = a * d + c;
-    [
-        (right[0] * d + right[1]) / det,
-        (a * right[1] - right[0] * c) / det,
-    ]
+    [(right[0] * d + right[1]) / det, (a * right[1] - right[0] * c) / det]
 }
 
 #[cfg(test)]
@@ -153,15 +132,8 @@ mod tests {
             let law = Law::new(k, tau, share).unwrap();
             let expected = [Complex::new(a, b), Complex::new(c, d)];
             let found = moving(&law, lambda, rate, t);
-            let error = size(
-                &law,
-                lambda,
-                [found[0] - expected[0], found[1] - expected[1]],
-            );
-            assert!(
-                error < 1e-13 * size(&law, lambda, expected),
-                "{law:?} {lambda} {rate} {t}: {error:e}"
-            );
+            let error = size(&law, lambda, [found[0] - expected[0], found[1] - expected[1]]);
+            assert!(error < 1e-13 * size(&law, lambda, expected), "{law:?} {lambda} {rate} {t}: {error:e}");
         }
     }
 

@@ -33,13 +33,8 @@ struct Inside {
 impl Telegraph {
     /// The telegraph equation of `law`; `None` unless F_T = 0, τ > 0 and k > 0.
     pub fn new(law: &Law) -> Option<Telegraph> {
-        let c = law
-            .speed()
-            .filter(|&c| c > 0.0 && law.fourier_share() == 0.0)?;
-        Some(Telegraph {
-            c,
-            a: 0.5 / law.tau(),
-        })
+        let c = law.speed().filter(|&c| c > 0.0 && law.fourier_share() == 0.0)?;
+        Some(Telegraph { c, a: 0.5 / law.tau() })
     }
 
     /// e^{−at}/2, the strength at `t` \[s\] of each front.
@@ -53,16 +48,12 @@ impl Telegraph {
     /// φ at `x` \[m\] and `t` \[s\] from φ₀ = δ(x), q₀ = 0, between the fronts \[1/m\].
     pub fn phi_of_phi(&self, x: f64, t: f64) -> f64 {
         let at = self.a * t;
-        self.between(x, t, |p| {
-            0.5 * self.a / self.c * p.decay * (i0e(p.rho) + at * i1e_over_x(p.rho))
-        })
+        self.between(x, t, |p| 0.5 * self.a / self.c * p.decay * (i0e(p.rho) + at * i1e_over_x(p.rho)))
     }
 
     /// q from φ₀ = δ(x), q₀ = 0, between the fronts \[1/s\].
     pub fn q_of_phi(&self, x: f64, t: f64) -> f64 {
-        self.between(x, t, |p| {
-            0.5 * self.a * (self.a * (x / self.c)) * p.decay * i1e_over_x(p.rho)
-        })
+        self.between(x, t, |p| 0.5 * self.a * (self.a * (x / self.c)) * p.decay * i1e_over_x(p.rho))
     }
 
     /// φ from φ₀ = 0, q₀ = δ(x), between the fronts \[s/m²\].
@@ -73,9 +64,7 @@ impl Telegraph {
     /// q from φ₀ = 0, q₀ = δ(x), between the fronts \[1/m\].
     pub fn q_of_q(&self, x: f64, t: f64) -> f64 {
         let at = self.a * t;
-        self.between(x, t, |p| {
-            0.5 * self.a / self.c * p.decay * (at * i1e_over_x(p.rho) - i0e(p.rho))
-        })
+        self.between(x, t, |p| 0.5 * self.a / self.c * p.decay * (at * i1e_over_x(p.rho) - i0e(p.rho)))
     }
 
     /// φ from the step φ₀ = 1 for x < 0, 0 for x > 0, q₀ = 0: jumps of e^{−at}/2 at x = ±ct, a smooth ramp between.
@@ -99,17 +88,8 @@ impl Telegraph {
         };
         let start = (x / reach).asin();
         // Beyond this angle the exponential is below e^{−40} of its value at 0.
-        let end = 2.0
-            * (20.0 / at)
-                .sqrt()
-                .min(std::f64::consts::FRAC_1_SQRT_2)
-                .asin();
-        self.front(t)
-            + if end > start {
-                integrate(ramp, start, end, 8)
-            } else {
-                0.0 * start
-            }
+        let end = 2.0 * (20.0 / at).sqrt().min(std::f64::consts::FRAC_1_SQRT_2).asin();
+        self.front(t) + if end > start { integrate(ramp, start, end, 8) } else { 0.0 * start }
     }
 
     /// q from the same step \[P m/s\]: (c/2) e^{−at} I₀(ρ) between the fronts.
@@ -133,10 +113,7 @@ impl Telegraph {
             return 0.0;
         }
         let root = ((1.0 - xi) * (1.0 + xi)).sqrt();
-        f(&Inside {
-            rho: at * root,
-            decay: (-at * xi * xi / (1.0 + root)).exp(),
-        })
+        f(&Inside { rho: at * root, decay: (-at * xi * xi / (1.0 + root)).exp() })
     }
 }
 
@@ -166,11 +143,7 @@ mod tests {
     fn the_step_agrees_with_many_digits() {
         for [x, t, expected] in RIEMANN {
             let found = unit().riemann_phi(x, t);
-            assert!(
-                (found - expected).abs() < 1e-15,
-                "{x} {t}: {:e}",
-                found - expected
-            );
+            assert!((found - expected).abs() < 1e-15, "{x} {t}: {:e}", found - expected);
         }
     }
 
@@ -180,17 +153,12 @@ mod tests {
         let telegraph = Telegraph::new(&law).unwrap();
         for t in [0.01, 0.5, 3.0, 20.0] {
             let reach = law.speed().unwrap() * t;
-            let total = |f: fn(&Telegraph, f64, f64) -> f64| {
-                integrate(|x| f(&telegraph, x, t), -reach, reach, 40)
-            };
+            let total = |f: fn(&Telegraph, f64, f64) -> f64| integrate(|x| f(&telegraph, x, t), -reach, reach, 40);
             let fronts = 2.0 * telegraph.front(t);
             assert!((fronts + total(Telegraph::phi_of_phi) - 1.0).abs() < 1e-13);
             // ∫q decays like e^{−t/τ}, and an odd φ has no mass.
             assert!((fronts + total(Telegraph::q_of_q) - (-t / 0.7f64).exp()).abs() < 1e-13);
-            assert!(
-                total(Telegraph::phi_of_q).abs() < 1e-13
-                    && total(Telegraph::q_of_phi).abs() < 1e-13
-            );
+            assert!(total(Telegraph::phi_of_q).abs() < 1e-13 && total(Telegraph::q_of_phi).abs() < 1e-13);
         }
     }
 
@@ -204,8 +172,7 @@ mod tests {
             let p = propagator(&law, wave * wave, t);
             let (sin, cos) = (wave * reach).sin_cos();
             let over = |f: &dyn Fn(f64) -> f64| integrate(f, -reach, reach, 60);
-            let phi = over(&|x| telegraph.phi_of_phi(x, t) * (wave * x).cos())
-                + 2.0 * telegraph.front(t) * cos;
+            let phi = over(&|x| telegraph.phi_of_phi(x, t) * (wave * x).cos()) + 2.0 * telegraph.front(t) * cos;
             assert!((phi - p[0][0]).abs() < 1e-13);
             let front_q = 2.0 * law.speed().unwrap() * telegraph.front(t) * sin;
             let q = over(&|x| telegraph.q_of_phi(x, t) * (wave * x).sin()) + front_q;
@@ -213,8 +180,7 @@ mod tests {
             let front_phi = 2.0 * telegraph.front(t) * sin / law.speed().unwrap();
             let phi = over(&|x| telegraph.phi_of_q(x, t) * (wave * x).sin()) + front_phi;
             assert!((phi + wave * p[0][1]).abs() < 1e-12 * wave);
-            let q = over(&|x| telegraph.q_of_q(x, t) * (wave * x).cos())
-                + 2.0 * telegraph.front(t) * cos;
+            let q = over(&|x| telegraph.q_of_q(x, t) * (wave * x).cos()) + 2.0 * telegraph.front(t) * cos;
             assert!((q - p[1][1]).abs() < 1e-13);
         }
     }
@@ -224,10 +190,7 @@ mod tests {
         let t = 3.0;
         let front = unit().riemann_phi(t * (1.0 - 1e-12), t);
         assert!((front - unit().front(t)).abs() < 1e-11);
-        assert_eq!(
-            (unit().riemann_phi(3.1, t), unit().riemann_phi(-3.1, t)),
-            (0.0, 1.0)
-        );
+        assert_eq!((unit().riemann_phi(3.1, t), unit().riemann_phi(-3.1, t)), (0.0, 1.0));
         assert!((unit().riemann_phi(0.0, t) - 0.5).abs() < 1e-14);
         let crossed = integrate(|s| unit().riemann_q(0.0, s), 0.0, t, 4);
         assert!((unit().riemann_mass(t) - crossed).abs() < 1e-14);
@@ -244,20 +207,12 @@ mod tests {
         assert_eq!(Telegraph::new(&Law::jeffreys(1.0, 1.0, 0.1).unwrap()), None);
         assert_eq!(Telegraph::new(&Law::cattaneo(0.0, 1.0).unwrap()), None);
         assert_eq!(
-            (
-                unit().riemann_phi(0.0, 0.0),
-                unit().riemann_phi(1.0, 0.0),
-                unit().riemann_phi(-1.0, 0.0)
-            ),
+            (unit().riemann_phi(0.0, 0.0), unit().riemann_phi(1.0, 0.0), unit().riemann_phi(-1.0, 0.0)),
             (0.5, 0.0, 1.0)
         );
-        for f in [
-            Telegraph::phi_of_phi,
-            Telegraph::q_of_phi,
-            Telegraph::phi_of_q,
-            Telegraph::q_of_q,
-            Telegraph::riemann_phi,
-        ] {
+        for f in
+            [Telegraph::phi_of_phi, Telegraph::q_of_phi, Telegraph::phi_of_q, Telegraph::q_of_q, Telegraph::riemann_phi]
+        {
             assert!(f(&unit(), f64::NAN, 1.0).is_nan() && f(&unit(), 0.1, f64::NAN).is_nan());
             assert!(f(&unit(), 1.0, 1e30).is_finite() && f(&unit(), 0.1, -1.0).is_nan());
         }

@@ -119,10 +119,10 @@ fn drift<T: Real, const D: usize>(
         });
         poison
     });
-    if poison != 0.0 {
-        if let Some(cell) = walls.first_bad(phi) {
-            return Err(StepError::NotFinite { field: "phi", cell: cell.to_vec() });
-        }
+    if poison != 0.0
+        && let Some(cell) = walls.first_bad(phi)
+    {
+        return Err(StepError::NotFinite { field: "phi", cell: cell.to_vec() });
     }
     for w in &walls.absorbers {
         let (a, before) = (0.5 * per_h * w.speed, phi[w.cell].f64());

@@ -152,6 +152,36 @@ fn explicit_steps_divide_themselves() {
 }
 
 #[test]
+fn sub_steps_are_steps() {
+    let law = Law::cattaneo(1.0, 0.02).unwrap();
+    let mut case = Case::new([9, 7], 0.1, law, Integrator::Kdk, 1.0).unwrap();
+    case.sides = Sides([Axis::Walls([Wall::Value(0.4), Wall::Absorbing { speed: 7.0, far: 0.1 }]), Axis::Periodic]);
+    case.dt = 3.4 * case.stepper::<f64>().unwrap().explicit_limit();
+    let start = case.random_state::<f64>(&mut Random(3), 1.0, case.flux_unit());
+    let (mut once, mut often) = (start.clone(), start);
+    assert_eq!(case.run(&mut once, 1).unwrap().substeps, 4);
+    case.dt *= 0.25;
+    case.run(&mut often, 4).unwrap();
+    assert!(common::largest(&once.phi, &often.phi) < 1e-13);
+    let [one, other] = [&once, &often].map(|s| s.slow_flux.as_ref().unwrap());
+    assert!((0..2).all(|a| common::largest(one.axis(a), other.axis(a)) < 1e-12));
+}
+
+#[test]
+fn single_precision_keeps_the_mass_for_hundreds_of_steps() {
+    for kappa in [1e4, 1e8] {
+        let law = Law::fourier(1.0).unwrap();
+        let case = Case::new([40, 30], 0.1, law, Integrator::Sdirk2, 0.01 * kappa).unwrap();
+        let mut state = case.random_state::<f32>(&mut Random(8), 1.0, 0.0);
+        state.phi.iter_mut().for_each(|phi| *phi += 3.0);
+        let before = state.mass(&case.grid);
+        case.run(&mut state, 300).unwrap();
+        let drift = (state.mass(&case.grid) / before - 1.0).abs();
+        assert!(drift < 4e-9, "{kappa:.0e}: {drift:.2e}");
+    }
+}
+
+#[test]
 fn both_splittings_balance_mass_through_open_walls() {
     let law = Law::cattaneo(0.02, 0.5).unwrap();
     for (integrator, splitting) in [

@@ -11,9 +11,9 @@ use std::collections::BTreeMap;
 pub(crate) struct Ledger {
     /// Steps made.
     pub step: u64,
-    /// Time reached [s].
+    /// Time reached \[s\].
     pub time: f64,
-    /// Mass at the start [P m^D].
+    /// Mass at the start \[P m^D\].
     pub start: f64,
     /// Added by sources.
     pub emitted: f64,
@@ -27,7 +27,7 @@ pub(crate) struct Ledger {
     /// Explicit and transport sub-steps, the most in one step.
     pub substeps: usize,
     pub transport_substeps: usize,
-    /// Smallest and largest step [s].
+    /// Smallest and largest step \[s\].
     pub dt: Option<(f64, f64)>,
     /// Wall seconds by phase, and in all.
     pub phases: BTreeMap<String, f64>,
@@ -59,7 +59,7 @@ pub(crate) struct Row {
 }
 
 impl Ledger {
-    /// Counts a step of `dt` [s].
+    /// Counts a step of `dt` \[s\].
     pub fn count(&mut self, report: &StepReport, dt: f64) {
         self.step += 1;
         self.emitted += report.emitted;

@@ -8,7 +8,7 @@ use cf_output::{Array, OutputError, Scalar, Slice};
 
 /// A running model. Time is kept by whoever runs it.
 pub(crate) trait Model {
-    /// One step of `dt` [s] from time `from` [s].
+    /// One step of `dt` \[s\] from time `from` \[s\].
     fn advance(&mut self, from: f64, dt: f64, watch: &mut Stopwatch) -> Result<StepReport, StepFailure>;
     /// Sums and extremes of `phi`.
     fn totals(&self) -> Totals;
@@ -53,9 +53,9 @@ pub enum StepFailure {
 /// Sums and extremes of `phi`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Totals {
-    /// Sum of phi times cell volume [P m^D].
+    /// Sum of phi times cell volume \[P m^D\].
     pub mass: f64,
-    /// Sum of |phi| times cell volume [P m^D].
+    /// Sum of |phi| times cell volume \[P m^D\].
     pub magnitude: f64,
     pub min: f64,
     pub max: f64,

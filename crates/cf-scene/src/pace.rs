@@ -17,7 +17,7 @@ const FEWEST_STEPS: f64 = 64.0;
 /// The time step and the integrator of a run, with reasons.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pace {
-    /// The longest step [s]; frames and switching sources shorten it.
+    /// The longest step \[s\]; frames and switching sources shorten it.
     pub dt: f64,
     /// Why.
     pub dt_reason: String,
@@ -64,7 +64,7 @@ impl Pace {
     }
 }
 
-/// The longest stable explicit step [s].
+/// The longest stable explicit step \[s\].
 fn explicit_limit(scene: &Scene, model: &Diffusion) -> f64 {
     let (h, d) = (scene.grid.spacing, scene.grid.dimension() as f64);
     cf_diffusion::Law::new(model.law.k, model.law.tau, model.law.fourier)
@@ -100,7 +100,7 @@ fn along_one_axis(medium: &Medium) -> bool {
     matches!(medium, Medium::Uniform(u) if u.iter().filter(|component| **component != 0.0).count() == 1)
 }
 
-/// A bound of the speed of the medium [m/s].
+/// A bound of the speed of the medium \[m/s\].
 pub(crate) fn fastest(scene: &Scene, model: &Diffusion) -> f64 {
     let grid = &scene.grid;
     match &model.medium {

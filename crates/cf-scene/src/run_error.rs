@@ -28,7 +28,7 @@ pub enum RunError {
         run: String,
         /// How many.
         steps: f64,
-        /// How long [s].
+        /// How long \[s\].
         dt: f64,
     },
     /// A step failed.
@@ -38,7 +38,7 @@ pub enum RunError {
         run: String,
         /// The step that failed, counted from 1.
         step: u64,
-        /// Where it began [s].
+        /// Where it began \[s\].
         time: f64,
         /// Why.
         source: StepFailure,
@@ -53,7 +53,7 @@ pub enum RunError {
         run: String,
         /// The last step made.
         step: u64,
-        /// Its end [s].
+        /// Its end \[s\].
         time: f64,
         /// The field.
         field: &'static str,
@@ -83,7 +83,7 @@ pub enum RunError {
         run: String,
         /// Steps made.
         step: u64,
-        /// Time reached [s].
+        /// Time reached \[s\].
         time: f64,
         /// The checkpoint left, if files are written.
         checkpoint: Option<PathBuf>,

@@ -6,7 +6,7 @@ use cf_diffusion::medium::{stream_function, vector_potential};
 use cf_grid::{FaceField, Grid, Real};
 use std::f64::consts::PI;
 
-/// Makes a velocity [m/s] at a time [s].
+/// Makes a velocity \[m/s\] at a time \[s\].
 pub(super) type MakeFlow<T, const D: usize> = fn(&Grid<D>, &Flow, f64) -> Result<FaceField<T, D>, MediumError>;
 
 /// Whether a flow changes with time.

@@ -47,15 +47,8 @@ fn print_run(scene: &Scene) -> f64 {
     let grid = &scene.grid;
     say!("\n{} ({})", scene.run, scene.label);
     let extent: Vec<String> = grid.extent.iter().map(ToString::to_string).collect();
-    let numerics = &scene.numerics;
     say!("  {:<15} {}, h = {:.6} m, box {} m", "cells", show::cells(&grid.cells), grid.spacing, extent.join(" x "));
-    say!(
-        "  {:<15} {:?}, transport {:?}, splitting {:?}",
-        "numerics",
-        numerics.precision,
-        numerics.advection,
-        numerics.splitting
-    );
+    say!("  {:<15} {}", "numerics", plan.numerics);
     for (name, value) in plan.lines() {
         say!("  {name:<15} {value}");
     }

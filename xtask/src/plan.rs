@@ -9,6 +9,8 @@ use cf_scene::{Model, Pace, Scene};
 /// What a run will do.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunPlan {
+    /// Precision, transport and splitting.
+    pub numerics: String,
     /// Regime of the law in its medium, in words.
     pub regime: String,
     /// The time step \[s\].
@@ -35,12 +37,20 @@ pub fn plan(scene: &Scene) -> RunPlan {
     };
     let law = Law::new(law.k, law.tau, law.fourier).ok();
     let (solver, cost) = match pace.integrator {
-        Some(integrator) => solver(scene, law.as_ref(), integrator, pace.dt),
+        Some(integrator) => solver(scene, law.as_ref(), u, integrator, pace.dt),
         None => ("none".into(), EXACT),
     };
-    let moves = if u > 0.0 && pace.integrator.is_some() { transport_cost(scene) } else { 0.0 };
+    let carries = pace.integrator.is_some_and(|i| i != Integrator::Characteristic);
+    let moves = if u > 0.0 && carries { transport_cost(scene) } else { 0.0 };
+    let numerics = &scene.numerics;
+    let transport = if carries {
+        format!("{:?}, splitting {:?}", numerics.advection, numerics.splitting)
+    } else {
+        "in the waves".into()
+    };
     let name = pace.integrator.map_or_else(|| "exact".into(), |integrator| format!("{integrator:?}"));
     RunPlan {
+        numerics: format!("{:?}, transport {transport}", numerics.precision),
         regime: words(&law, u),
         dt: pace.dt,
         dt_reason: pace.dt_reason,
@@ -94,9 +104,14 @@ fn medium_speed(scene: &Scene, medium: &Medium) -> f64 {
 }
 
 /// The solver in words, and what diffusion costs \[ns per cell and step in f64 on two cores\].
-fn solver(scene: &Scene, law: Option<&Law>, integrator: Integrator, dt: f64) -> (String, f64) {
+fn solver(scene: &Scene, law: Option<&Law>, u: f64, integrator: Integrator, dt: f64) -> (String, f64) {
     let (dimension, h) = (scene.grid.dimension(), scene.grid.spacing);
     let Some(law) = law else { return ("unknown".into(), 0.0) };
+    if integrator == Integrator::Characteristic {
+        let substeps =
+            (dt * (u + law.speed().unwrap_or(0.0)) / (h * cf_diffusion::Front::<f64, 2>::COURANT)).ceil().max(1.0);
+        return (format!("none; {substeps:.0} sub-steps of moving waves"), substeps * FRONT);
+    }
     if integrator == Integrator::Kdk {
         let limit = kdk_limit(law, 4.0 * dimension as f64 / (h * h));
         let substeps = (dt / limit).ceil().max(1.0);
@@ -131,6 +146,7 @@ fn word(scene: &Scene) -> f64 {
 /// Costs in nanoseconds per cell on two cores in f64, rounded up: one explicit sub-step, one solve to five digits, and
 /// the transport of one field over a step.
 const KDK: f64 = 10.0;
+const FRONT: f64 = 25.0;
 const CHEBYSHEV: f64 = 60.0;
 const MULTIGRID: f64 = 200.0;
 const TRANSPORT: f64 = 25.0;

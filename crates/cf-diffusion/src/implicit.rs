@@ -88,8 +88,13 @@ impl<T: Real, const D: usize> Implicit<T, D> {
         dt: f64,
         stretch: f64,
     ) -> Result<Moved, StepError> {
-        let (c, h) = (Coefficients::new(law, dt), self.h);
-        let faces = Conductances::new(walls, c.beta / (h * h), dt / h);
+        let (mut c, h) = (Coefficients::new(law, dt), self.h);
+        let kappa = c.beta / (h * h);
+        let faces = Conductances::new(walls, kappa, dt / h);
+        if faces.kappa < kappa {
+            // The flux belongs to the operator: both or neither.
+            c.gain *= faces.kappa / kappa;
+        }
         let reference = T::of(faces.level(walls, walls.fluid_mean(&state.phi)));
         let stage = Stage { c, faces, reference, stretch };
         let size = self.form_rhs(walls, state, source, &stage);

@@ -38,6 +38,7 @@ fn even_boxes_need_at_most_8() {
     worst([128, 128], &mixes_2d(), 8);
     worst([32, 64], &mixes_2d(), 8);
     worst([32, 32, 32], &mixes_3d(), 8);
+    worst([16, 32, 8], &all_mixes_3d(), 8);
     worst([64, 32, 16], &mixes_3d(), 8);
 }
 
@@ -46,7 +47,8 @@ fn other_sizes_need_at_most_10() {
     worst([97, 61], &mixes_2d(), 10);
     worst([33, 33, 33], &mixes_3d(), 10);
     worst([97, 61, 45], &mixes_3d()[..6], 10);
-    worst([3, 5, 7], &mixes_3d(), 10);
+    worst([3, 5, 7], &all_mixes_3d(), 10);
+    worst([17, 13, 9], &all_mixes_3d(), 10);
     for n in [1, 2, 3, 5, 17, 100, 1001] {
         worst([1, n], &mixes_2d(), 10);
         worst([n, 1], &mixes_2d(), 10);

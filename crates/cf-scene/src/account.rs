@@ -65,7 +65,7 @@ pub(crate) fn account(
         ranges: model.ranges(),
         regime: regime(scene),
         residual: ledger.residual,
-        warnings: warnings(scene, pace, ledger),
+        warnings: warnings(scene, pace, ledger, ledger.drift(totals)),
         files: ledger.files.clone(),
     }
 }
@@ -98,8 +98,14 @@ fn regime(scene: &Scene) -> RegimeSummary {
     }
 }
 
-fn warnings(scene: &Scene, pace: &Pace, ledger: &Ledger) -> Vec<String> {
+fn warnings(scene: &Scene, pace: &Pace, ledger: &Ledger, drift: f64) -> Vec<String> {
     let mut warnings = Vec::new();
+    if drift.abs() > 1e-3 {
+        warnings.push(format!(
+            "the mass account is off by {drift:.1e}: semi-Lagrangian transport does not conserve mass; \
+             use accuracy.advection: Muscl where it matters"
+        ));
+    }
     if ledger.time < scene.schedule.until {
         let (time, until) = (ledger.time, scene.schedule.until);
         warnings.push(format!("run.steps ended the run at t = {time} s, before {until} s"));

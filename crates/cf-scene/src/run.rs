@@ -74,6 +74,8 @@ impl Runner<'_> {
             if let Some(old) = read.map_err(|source| RunError::Checkpoint { run: scene.run.clone(), source })? {
                 watch.note(&format!("run `{}` goes on after step {}, t = {} s", scene.run, old.step, old.time));
                 ledger = old;
+            } else {
+                watch.note(&format!("run `{}` has no checkpoint to go on from: it starts anew", scene.run));
             }
         }
         let mut running = Running {

@@ -21,7 +21,8 @@ pub enum RunError {
     },
     /// The time step is so short that the run would never end.
     #[error(
-        "run `{run}` would take {steps:e} steps of {dt:e} s; raise accuracy.dt or accuracy.cfl, or use fewer cells"
+        "run `{run}`: steps of {dt:e} s would never reach run.until (at least {steps:e} of them); check run.until, accuracy.dt and \
+         accuracy.cfl, the speeds in model.medium and model.law, and the cell count"
     )]
     TooManySteps {
         /// The run.

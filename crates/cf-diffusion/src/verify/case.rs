@@ -132,6 +132,16 @@ impl<const D: usize> Case<D> {
         if self.law.has_memory() { (self.law.k() / self.law.tau()).sqrt() } else { 0.0 }
     }
 
+    /// What walls of a given flux let pass in a step, in or out [P m^D]: it may leave by other walls at once.
+    pub fn passing(&self) -> f64 {
+        let faces = |axis: usize| (self.grid.layout().count() / self.grid.cells()[axis]) as f64;
+        let given = self.sides.walls().map(|(axis, _, wall)| match wall {
+            Wall::Flux(g) => g.abs() * faces(axis),
+            _ => 0.0,
+        });
+        self.dt * self.grid.cell_volume() / self.grid.h() * given.sum::<f64>()
+    }
+
     /// A random box of up to `most` cells per axis with random walls and, one time in three, obstacles.
     pub fn random_box(&mut self, random: &mut Random, kinds: Kinds, most: usize) -> Measured<()> {
         let cells = std::array::from_fn(|_| 1 + random.below(most));

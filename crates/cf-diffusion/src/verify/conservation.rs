@@ -32,13 +32,7 @@ pub(super) fn mass_error<T: Real, const D: usize>(
         passed += report.emitted.abs() + report.outflow.abs();
         size = size.max(layout.sum_abs(&state.phi) * volume);
     }
-    // What only passes through: from walls of given flux to walls of given value.
-    let area = volume / case.grid.h();
-    let given = case.sides.walls().map(|(axis, _, wall)| match wall {
-        Wall::Flux(g) => g.abs() * (layout.count() / case.grid.cells()[axis]) as f64,
-        _ => 0.0,
-    });
-    passed += case.dt * steps as f64 * area * given.sum::<f64>();
+    passed += steps as f64 * case.passing();
     Ok((state.mass(&case.grid) - expected).abs() / (size + passed))
 }
 

@@ -158,7 +158,8 @@ impl Check for Diffusivity {
             }
             0 => {
                 case.random_box(random, Kinds::Closed, most::<D>())?;
-                Ok(mass_error::<T, D>(&case, &Medium::Still, random, 3)? / T::MASS)
+                let steps = 3;
+                Ok(mass_error::<T, D>(&case, &Medium::Still, random, steps)? / (steps as f64 * T::MASS))
             }
             _ => {
                 case.random_box(random, Kinds::Dissipative, most::<D>())?;

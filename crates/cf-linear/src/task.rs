@@ -123,6 +123,9 @@ pub(crate) struct Task<'a, T, const D: usize> {
     pub limit: usize,
 }
 
+/// Chebyshev passes without progress after which it stops.
+const IDLE: usize = 3;
+
 /// A Chebyshev iteration costs about a sixth of a PCG iteration, so the limit allows more of them.
 const CHEBYSHEV_PER_PCG: usize = 10;
 
@@ -185,15 +188,20 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
         let reduction = (self.wanted / self.measure(start)).max(0.1 * T::EPSILON);
         let mut count = chebyshev::count(radius, reduction);
         let (mut total, mut omega, mut reached) = (0, None, start);
+        // A short pass may leave the max-norm as it is, or even raise it: only several in a row mean the rounding floor.
+        let (mut best, mut idle) = (self.measure(start), 0);
         while total < limit {
             count = count.min(limit - total);
             omega = chebyshev::iterate(operator, &v.r, y, &mut v.p, radius, omega, count);
             total += count;
-            let before = std::mem::replace(&mut reached, self.residual(operator, y, v));
-            if self.met(reached) || !self.halved(before, reached) {
+            reached = self.residual(operator, y, v);
+            let now = self.measure(reached);
+            idle = if now < 0.9 * best { 0 } else { idle + 1 };
+            best = best.min(now);
+            if self.met(reached) || idle == IDLE || !now.is_finite() {
                 break;
             }
-            count = count / 4 + 1;
+            count = (count / 4 + 1).max(chebyshev::count(radius, (self.wanted / now).max(0.1 * T::EPSILON)));
         }
         (total, reached)
     }

@@ -151,7 +151,7 @@ const CHEBYSHEV: f64 = 60.0;
 const MULTIGRID: f64 = 200.0;
 const TRANSPORT: f64 = 25.0;
 const EXACT: f64 = 1e3;
-/// Files and pictures of a frame [s].
+/// Files and pictures of a frame \[s\].
 const FRAME: f64 = 0.02;
 
 impl RunPlan {

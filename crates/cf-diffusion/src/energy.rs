@@ -16,7 +16,7 @@ pub fn lyapunov<T: Real, const D: usize>(
     weighted(grid, sides, state, law.tau() / law.k())
 }
 
-/// E = 1/2 ∫ phi² + tau/(2 k_C) ∫ |q_C|² [P² m^D], the energy of the exact identity of `PaperBe`; needs F_T < 1.
+/// E = 1/2 ∫ phi² + tau/(2 k_C) ∫ |q_C|² \[P² m^D\], the energy of the exact identity of `PaperBe`; needs F_T < 1.
 pub fn cattaneo_energy<T: Real, const D: usize>(
     grid: &Grid<D>,
     sides: &Sides<Wall, D>,

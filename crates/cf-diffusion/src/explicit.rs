@@ -18,12 +18,12 @@ use crate::step_error::StepError;
 use crate::sweeps::{net_outflow, update_flux};
 use crate::walls::Walls;
 
-/// The largest stable step on a grid of spacing `h` [m]: k dt tanh(dt/2tau) 4 D/h² = 2 [s].
+/// The largest stable step on a grid of spacing `h` [m]: k dt tanh(dt/2tau) 4 D/h² = 2 \[s\].
 pub(crate) fn limit<const D: usize>(law: &Law, h: f64) -> f64 {
     kdk_limit(law, 4.0 * D as f64 / (h * h))
 }
 
-/// `substeps` equal steps over `dt` [s] in all.
+/// `substeps` equal steps over `dt` \[s\] in all.
 pub(crate) fn advance<T: Real, const D: usize>(
     walls: &Walls<T, D>,
     h: f64,
@@ -66,7 +66,7 @@ fn kick<T: Real, const D: usize>(walls: &Walls<T, D>, phi: &mut [T], q: &mut Fac
     });
 }
 
-/// Returns what left through the walls [sum of phi].
+/// Returns what left through the walls \[sum of phi\].
 fn drift<T: Real, const D: usize>(
     walls: &Walls<T, D>,
     phi: &mut [T],

@@ -35,7 +35,7 @@ fn noise_limit<T: Real>() -> f64 {
 /// What a stage moved.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Moved {
-    /// Through the walls, outwards [sum of phi].
+    /// Through the walls, outwards \[sum of phi\].
     pub outflow: f64,
     /// The solve.
     pub statistics: Statistics,

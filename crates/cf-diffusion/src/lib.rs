@@ -8,7 +8,7 @@
 //! tau (q_C,t + div(q_C ⊗ u)) + q_C = - k_C grad phi          k_F = F_T k,  k_C = (1 - F_T) k
 //! ```
 //!
-//! with phi [P] per cell, q_C [P m/s] per face, k [m²/s], tau [s], u [m/s], W [P/s]. For F_T = 0 nothing outruns
+//! with phi \[P\] per cell, q_C \[P m/s\] per face, k \[m²/s\], tau \[s\], u \[m/s\], W \[P/s\]. For F_T = 0 nothing outruns
 //! c = sqrt(k_C/tau); in a medium of speed |u| the number H_c = |u|/c decides between spreading everywhere and a cone of
 //! half-angle asin(1/H_c) ([`Regime`]). Fourier (tau = 0 or F_T = 1), Cattaneo (F_T = 0) and Jeffreys (in between) are
 //! values of one [`Law`], never different solvers.

@@ -1,4 +1,4 @@
-//! Sources W [P/s] inside a time step.
+//! Sources W \[P/s\] inside a time step.
 
 /// A rate per cell and the share of the step during which it acts.
 ///
@@ -6,7 +6,7 @@
 /// step is second order for time-dependent sources if it is their mean.
 #[derive(Debug, Clone, Copy)]
 pub struct Source<'a, T> {
-    /// W [P/s] per cell slot; `None` for no source.
+    /// W \[P/s\] per cell slot; `None` for no source.
     pub rate: Option<&'a [T]>,
     /// Acting time over step length, in [0, 1].
     pub share: f64,

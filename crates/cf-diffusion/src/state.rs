@@ -4,7 +4,7 @@ use cf_grid::{CellField, FaceField, Grid, Real};
 
 use crate::law::Law;
 
-/// phi [P] per cell and the normal component of q_C [P m/s] per face.
+/// phi \[P\] per cell and the normal component of q_C \[P m/s\] per face.
 ///
 /// `slow_flux` is `None` for laws without memory (tau = 0 or F_T = 1): no memory, no time. Faces on closed, absorbing and
 /// open walls hold zero; faces on value walls are unknowns.
@@ -22,7 +22,7 @@ impl<T: Real, const D: usize> State<T, D> {
         Self { phi: CellField::new(grid.layout()), slow_flux: law.has_memory().then(|| FaceField::new(grid.layout())) }
     }
 
-    /// Total mass, sum phi h^D [P m^D], in `f64`.
+    /// Total mass, sum phi h^D \[P m^D\], in `f64`.
     pub fn mass(&self, grid: &Grid<D>) -> f64 {
         grid.layout().sum(&self.phi) * grid.cell_volume()
     }

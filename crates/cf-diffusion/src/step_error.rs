@@ -20,15 +20,15 @@ pub enum StepError {
     NeedsWaves {
         /// F_T found.
         fourier: f64,
-        /// tau found [s].
+        /// tau found \[s\].
         tau: f64,
     },
     /// An explicit step beyond its stability limit.
     #[error("the explicit step dt = {dt:e} s exceeds its stability limit {limit:e} s; shorten it or use Sdirk2")]
     Unstable {
-        /// Step asked for [s].
+        /// Step asked for \[s\].
         dt: f64,
-        /// k dt tanh(dt/2tau) 4 D/h² = 2 [s].
+        /// k dt tanh(dt/2tau) 4 D/h² = 2 \[s\].
         limit: f64,
     },
     /// A wall number is not usable.

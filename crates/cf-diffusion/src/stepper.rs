@@ -99,9 +99,9 @@ pub struct StepReport {
     pub substeps: usize,
     /// Transport sub-steps.
     pub transport_substeps: usize,
-    /// Mass that left through the walls by diffusion and transport [P m^D].
+    /// Mass that left through the walls by diffusion and transport \[P m^D\].
     pub outflow: f64,
-    /// Mass emitted by the source [P m^D].
+    /// Mass emitted by the source \[P m^D\].
     pub emitted: f64,
 }
 
@@ -205,7 +205,7 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         self.transport().set_reversed(reversed);
     }
 
-    /// The largest stable explicit diffusion sub-step [s]; infinite for implicit integrators.
+    /// The largest stable explicit diffusion sub-step \[s\]; infinite for implicit integrators.
     pub fn explicit_limit(&self) -> f64 {
         match self.settings.integrator {
             Integrator::Kdk => explicit::limit::<D>(&self.law, self.grid.h()),
@@ -218,7 +218,7 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         self.advector.get_or_insert_with(|| Advector::new(grid, &walls.sides, walls.mask.as_ref(), method))
     }
 
-    /// Advances `state` by `dt` [s] in `medium`. `dt` = 0 changes nothing.
+    /// Advances `state` by `dt` \[s\] in `medium`. `dt` = 0 changes nothing.
     pub fn step(
         &mut self,
         state: &mut State<T, D>,
@@ -316,7 +316,7 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         report.emitted += self.emitted(rate) * source.share * dt;
     }
 
-    /// Mass a rate emits per second into fluid cells [P m^D/s].
+    /// Mass a rate emits per second into fluid cells \[P m^D/s\].
     fn emitted(&self, rate: &[T]) -> f64 {
         let layout = self.grid.layout();
         let fluid = self.walls.mask.as_ref().map(|m| m.fluid());

@@ -28,9 +28,9 @@ pub(crate) struct WallCell {
 pub(crate) struct Absorber {
     /// Slot of the cell.
     pub cell: usize,
-    /// Σ c [m/s].
+    /// Σ c \[m/s\].
     pub speed: f64,
-    /// far, weighted by c [P].
+    /// far, weighted by c \[P\].
     pub far: f64,
 }
 

@@ -4,7 +4,7 @@ use nalgebra::SVector;
 
 use crate::{GridError, Layout};
 
-/// A box of cubic cells of edge `h` [m] whose low corner is at `origin` [m].
+/// A box of cubic cells of edge `h` \[m\] whose low corner is at `origin` \[m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid<const D: usize> {
     layout: Layout<D>,
@@ -13,7 +13,7 @@ pub struct Grid<const D: usize> {
 }
 
 impl<const D: usize> Grid<D> {
-    /// `cells` per axis, spacing `h` [m], origin at zero.
+    /// `cells` per axis, spacing `h` \[m\], origin at zero.
     pub fn new(cells: [usize; D], h: f64) -> Result<Self, GridError> {
         if !(h.is_finite() && h > 0.0) {
             return Err(GridError::Spacing(h));
@@ -21,7 +21,7 @@ impl<const D: usize> Grid<D> {
         Ok(Self { layout: Layout::new(cells)?, origin: SVector::zeros(), h })
     }
 
-    /// The same grid with its low corner at `origin` [m].
+    /// The same grid with its low corner at `origin` \[m\].
     pub fn with_origin(mut self, origin: [f64; D]) -> Result<Self, GridError> {
         for (axis, &value) in origin.iter().enumerate() {
             if !value.is_finite() {
@@ -42,32 +42,32 @@ impl<const D: usize> Grid<D> {
         self.layout.cells()
     }
 
-    /// Cell edge [m].
+    /// Cell edge \[m\].
     pub fn h(&self) -> f64 {
         self.h
     }
 
-    /// Low corner [m].
+    /// Low corner \[m\].
     pub fn origin(&self) -> SVector<f64, D> {
         self.origin
     }
 
-    /// Edge lengths of the box [m].
+    /// Edge lengths of the box \[m\].
     pub fn extent(&self) -> SVector<f64, D> {
         SVector::from(self.cells()).map(|n: usize| n as f64 * self.h)
     }
 
-    /// Volume of a cell, h^D [m^D].
+    /// Volume of a cell, h^D \[m^D\].
     pub fn cell_volume(&self) -> f64 {
         self.h.powi(D as i32)
     }
 
-    /// Centre of a cell [m].
+    /// Centre of a cell \[m\].
     pub fn centre(&self, cell: [usize; D]) -> SVector<f64, D> {
         self.origin + SVector::from(cell).map(|i: usize| (i as f64 + 0.5) * self.h)
     }
 
-    /// Centre of the low face of a cell along `axis` [m].
+    /// Centre of the low face of a cell along `axis` \[m\].
     pub fn face(&self, axis: usize, cell: [usize; D]) -> SVector<f64, D> {
         let mut x = self.centre(cell);
         x[axis] = self.origin[axis] + cell[axis] as f64 * self.h;

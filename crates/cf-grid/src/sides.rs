@@ -78,23 +78,23 @@ impl<W: Copy, const D: usize> Sides<W, D> {
     }
 }
 
-/// Physical wall of a transported and diffusing quantity phi [P]. Fluxes are positive outwards.
+/// Physical wall of a transported and diffusing quantity phi \[P\]. Fluxes are positive outwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Wall {
-    /// Prescribed total flux g·n [P m/s]; `Flux(0.0)` is a closed wall. The medium must not cross it.
+    /// Prescribed total flux g·n \[P m/s\]; `Flux(0.0)` is a closed wall. The medium must not cross it.
     Flux(f64),
-    /// Prescribed value phi_b [P] on the wall face. A medium flowing in carries it.
+    /// Prescribed value phi_b \[P\] on the wall face. A medium flowing in carries it.
     Value(f64),
     /// Lets waves leave: diffusive flux q·n = speed (phi - far). A medium flowing in carries `far`.
     Absorbing {
-        /// Wave speed c [m/s].
+        /// Wave speed c \[m/s\].
         speed: f64,
-        /// Value at rest outside [P].
+        /// Value at rest outside \[P\].
         far: f64,
     },
-    /// No diffusive flux; the medium flows out freely and carries `inflow` [P] where it flows in.
+    /// No diffusive flux; the medium flows out freely and carries `inflow` \[P\] where it flows in.
     Open {
-        /// Value carried in [P].
+        /// Value carried in \[P\].
         inflow: f64,
     },
 }
@@ -103,7 +103,7 @@ impl Wall {
     /// Nothing passes.
     pub const CLOSED: Wall = Wall::Flux(0.0);
 
-    /// The value a medium carries in through this wall [P]; `None` where it must not cross.
+    /// The value a medium carries in through this wall \[P\]; `None` where it must not cross.
     pub fn carried_in(self) -> Option<f64> {
         match self {
             Wall::Flux(_) => None,

@@ -140,7 +140,7 @@ fn warnings(scene: &Scene, pace: &Pace, ledger: &Ledger, drift: f64) -> Vec<Stri
     warnings
 }
 
-/// Peak resident memory of this process [bytes]; 0 where the system does not tell.
+/// Peak resident memory of this process \[bytes\]; 0 where the system does not tell.
 fn peak_memory() -> u64 {
     let kilobytes = || {
         let status = std::fs::read_to_string("/proc/self/status").ok()?;

@@ -153,7 +153,7 @@ fn worst<T: Real, const D: usize>(cells: [usize; D], law: Law, integrator: Integ
     errors.into_iter().try_fold(0.0, |most: f64, e| Ok(most.max(e?)))
 }
 
-/// The step for which the weight of the Laplacian is `beta` [m²].
+/// The step for which the weight of the Laplacian is `beta` \[m²\].
 pub(super) fn step_for(law: &Law, beta: f64) -> f64 {
     if !law.has_memory() {
         return beta / law.k();

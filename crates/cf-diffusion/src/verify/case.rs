@@ -19,7 +19,7 @@ pub struct Case<const D: usize> {
     pub law: Law,
     /// The settings.
     pub settings: Settings,
-    /// The step [s].
+    /// The step \[s\].
     pub dt: f64,
 }
 

@@ -7,7 +7,7 @@ use super::Measured;
 use super::case::Case;
 use crate::{Coefficients, Integrator, Source, State};
 
-/// One step of PaperBe or Sdirk2 in `f64`, and what left through the walls [P m^D].
+/// One step of PaperBe or Sdirk2 in `f64`, and what left through the walls \[P m^D\].
 pub fn dense_step<T: Real, const D: usize>(
     case: &Case<D>,
     start: &State<f64, D>,

@@ -93,7 +93,7 @@ pub struct StepReport {
     pub solves: usize,
     /// Solver iterations, all solves together.
     pub iterations: usize,
-    /// Largest residual of the solves, max|r| [P]: a bound of what they add to the error of phi.
+    /// Largest residual of the solves, max|r| \[P\]: a bound of what they add to the error of phi.
     pub residual: f64,
     /// Explicit diffusion sub-steps.
     pub substeps: usize,

@@ -39,6 +39,7 @@ pub mod energy;
 pub mod exact;
 pub mod front;
 
+mod balance;
 mod coefficients;
 mod error;
 mod explicit;

@@ -4,6 +4,7 @@ use cf_grid::{Grid, Mask, Real, Sides, Wall};
 use cf_linear::{Choice, Plan, Precision};
 
 use crate::advect::{Advection, Advector};
+use crate::balance::Balance;
 use crate::explicit;
 use crate::implicit::{Implicit, Moved};
 use crate::law::Law;
@@ -115,6 +116,7 @@ pub struct Diffusion<T, const D: usize> {
     walls: Walls<T, D>,
     implicit: Option<Implicit<T, D>>,
     advector: Option<Advector<T, D>>,
+    balance: Balance,
 }
 
 impl<T: Real, const D: usize> Diffusion<T, D> {
@@ -153,7 +155,7 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         let walls = Walls::new(grid.layout(), sides, mask);
         let implicit = (settings.integrator != Integrator::Kdk)
             .then(|| Implicit::new(&walls, grid.h(), settings.tolerance, settings.precision, settings.plan));
-        Ok(Self { grid: *grid, law, settings, walls, implicit, advector: None })
+        Ok(Self { grid: *grid, law, settings, walls, implicit, advector: None, balance: Balance::default() })
     }
 
     /// The law.
@@ -249,28 +251,52 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         if dt == 0.0 {
             return Ok(report);
         }
-        if medium.is_still() {
-            self.diffuse_into(state, source, dt, &mut report, observer)?;
-            return Ok(report);
+        let moving = !medium.is_still();
+        // The semi-Lagrangian methods do not keep the mass: only the diffusion between them can.
+        let conserves = !moving || self.settings.advection == Advection::Muscl;
+        if conserves {
+            self.balance.open(&self.walls, &state.phi, source, dt);
         }
-        match (self.settings.splitting, self.settings.integrator) {
-            (Splitting::Paper, _) => {
-                self.carry_into(state, medium, dt, &mut report, observer)?;
-                self.emit_into(state, source, dt, &mut report);
-                self.diffuse_into(state, Source::NONE, dt, &mut report, observer)?;
-            }
-            (Splitting::Strang, Integrator::Kdk) => {
-                self.diffuse_into(state, source, 0.5 * dt, &mut report, observer)?;
-                self.carry_into(state, medium, dt, &mut report, observer)?;
-                self.diffuse_into(state, source, 0.5 * dt, &mut report, observer)?;
-            }
-            (Splitting::Strang, _) => {
-                self.carry_into(state, medium, 0.5 * dt, &mut report, observer)?;
-                self.diffuse_into(state, source, dt, &mut report, observer)?;
-                self.carry_into(state, medium, 0.5 * dt, &mut report, observer)?;
-            }
+        if moving {
+            self.move_and_diffuse(state, medium, source, dt, &mut report, observer)?;
+        } else {
+            self.diffuse_into(state, source, dt, &mut report, observer)?;
+        }
+        if conserves {
+            let gained = (report.emitted - report.outflow) / self.grid.cell_volume();
+            self.balance.settle(&self.walls, &mut state.phi, gained);
         }
         Ok(report)
+    }
+
+    /// Transport and diffusion in the order of the splitting.
+    fn move_and_diffuse(
+        &mut self,
+        state: &mut State<T, D>,
+        medium: &Medium<T, D>,
+        source: Source<'_, T>,
+        dt: f64,
+        report: &mut StepReport,
+        observer: &mut impl Observer,
+    ) -> Result<(), StepError> {
+        match (self.settings.splitting, self.settings.integrator) {
+            (Splitting::Paper, _) => {
+                self.carry_into(state, medium, dt, report, observer)?;
+                self.emit_into(state, source, dt, report);
+                self.diffuse_into(state, Source::NONE, dt, report, observer)?;
+            }
+            (Splitting::Strang, Integrator::Kdk) => {
+                self.diffuse_into(state, source, 0.5 * dt, report, observer)?;
+                self.carry_into(state, medium, dt, report, observer)?;
+                self.diffuse_into(state, source, 0.5 * dt, report, observer)?;
+            }
+            (Splitting::Strang, _) => {
+                self.carry_into(state, medium, 0.5 * dt, report, observer)?;
+                self.diffuse_into(state, source, dt, report, observer)?;
+                self.carry_into(state, medium, 0.5 * dt, report, observer)?;
+            }
+        }
+        Ok(())
     }
 
     /// Refuses fields of another layout, which the sweeps could not index.

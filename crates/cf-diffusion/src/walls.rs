@@ -41,6 +41,8 @@ pub(crate) struct Parts {
     pub components: Option<Components>,
     /// Per part: whether a wall lets phi pass according to its value, so that no sum is conserved.
     pub held: Vec<bool>,
+    /// Per part: whether no wall lets phi or the medium pass.
+    pub sealed: Vec<bool>,
 }
 
 impl Parts {
@@ -63,8 +65,8 @@ pub(crate) struct Walls<T, const D: usize> {
     pub mask: Option<Mask<D>>,
     /// 1 on faces between fluid cells, 0 elsewhere; only with a mask.
     pub open: Option<FaceField<T, D>>,
-    /// Walls that hold phi at a level, with the number of their faces.
-    pub holding: Vec<(Wall, usize)>,
+    /// Walls that hold phi at a level or move it by a flux, with the number of their faces.
+    pub moving: Vec<(Wall, usize)>,
     /// Cells on absorbing walls, by slot.
     pub absorbers: Vec<Absorber>,
     first_fluid: Option<usize>,
@@ -100,18 +102,18 @@ impl<T: Real, const D: usize> Walls<T, D> {
             sides: *sides,
             mask,
             open,
-            holding: Vec::new(),
+            moving: Vec::new(),
             absorbers: Vec::new(),
             first_fluid: None,
             parts: OnceLock::new(),
         };
         walls.first_fluid = walls.first(|_| true).map(|cell| layout.slot(cell));
-        let (mut absorbers, mut holding) = (Vec::new(), Vec::<(Wall, usize)>::new());
+        let (mut absorbers, mut moving) = (Vec::new(), Vec::<(Wall, usize)>::new());
         walls.each(|w| {
-            if let Wall::Value(_) | Wall::Absorbing { .. } = w.wall {
-                match holding.last_mut() {
+            if !matches!(w.wall, Wall::CLOSED | Wall::Open { .. }) {
+                match moving.last_mut() {
                     Some((last, count)) if *last == w.wall => *count += 1,
-                    _ => holding.push((w.wall, 1)),
+                    _ => moving.push((w.wall, 1)),
                 }
             }
             if let Wall::Absorbing { speed, far } = w.wall {
@@ -129,7 +131,7 @@ impl<T: Real, const D: usize> Walls<T, D> {
             }
             same
         });
-        (walls.absorbers, walls.holding) = (absorbers, holding);
+        (walls.absorbers, walls.moving) = (absorbers, moving);
         walls
     }
 
@@ -173,15 +175,14 @@ impl<T: Real, const D: usize> Walls<T, D> {
         self.parts.get_or_init(|| {
             let components = self.mask.as_ref().map(|m| m.components(&self.sides));
             let count = components.as_ref().map_or(1, |c| c.cells.len());
-            let mut parts = Parts { components, held: vec![false; count] };
-            let mut held = std::mem::take(&mut parts.held);
+            let (mut held, mut sealed) = (vec![false; count], vec![true; count]);
+            let parts = Parts { components, held: Vec::new(), sealed: Vec::new() };
             self.each(|w| {
-                if let Wall::Value(_) | Wall::Absorbing { .. } = w.wall {
-                    held[parts.of(w.cell)] = true;
-                }
+                let part = parts.of(w.cell);
+                held[part] |= matches!(w.wall, Wall::Value(_) | Wall::Absorbing { .. });
+                sealed[part] &= w.wall == Wall::CLOSED;
             });
-            parts.held = held;
-            parts
+            Parts { held, sealed, ..parts }
         })
     }
 

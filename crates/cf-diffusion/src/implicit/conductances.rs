@@ -33,11 +33,16 @@ impl Conductances {
         faces
     }
 
-    /// About the level of phi at the end: its mean, drawn towards what the walls hold. What is solved for is the deviation
-    /// from it, which a stiff step leaves small where all walls hold the same.
+    /// About the level of phi at the end: its mean, moved by given fluxes and drawn towards what the walls hold. What is
+    /// solved for is the deviation from it, which a stiff step leaves small where all walls hold the same.
     pub fn level<T: Real, const D: usize>(&self, walls: &Walls<T, D>, mean: f64) -> f64 {
-        let (mut level, mut weight) = (mean, walls.layout.count() as f64);
-        for &(wall, count) in &walls.holding {
+        let mut weight = walls.layout.count() as f64;
+        let given = walls.moving.iter().map(|&(wall, count)| match wall {
+            Wall::Flux(g) => self.per_h * g * count as f64,
+            _ => 0.0,
+        });
+        let mut level = mean - given.sum::<f64>() / weight;
+        for &(wall, count) in &walls.moving {
             let (Wall::Value(held) | Wall::Absorbing { far: held, .. }) = wall else { continue };
             let more = self.of(wall) * count as f64;
             weight += more;

@@ -132,6 +132,16 @@ impl<const D: usize> Case<D> {
         if self.law.has_memory() { (self.law.k() / self.law.tau()).sqrt() } else { 0.0 }
     }
 
+    /// The largest that conducts: `kappa` between cells, twice that on walls with a value, c dt/h on absorbing ones \[1\].
+    pub fn conductance(&self, kappa: f64) -> f64 {
+        let walls = self.sides.walls().map(|(_, _, wall)| match wall {
+            Wall::Value(_) => 2.0 * kappa,
+            Wall::Absorbing { speed, .. } => speed * self.dt / self.grid.h(),
+            Wall::Flux(_) | Wall::Open { .. } => 0.0,
+        });
+        walls.fold(kappa, f64::max)
+    }
+
     /// What walls of a given flux let pass in a step, in or out [P m^D]: it may leave by other walls at once.
     pub fn passing(&self) -> f64 {
         let faces = |axis: usize| (self.grid.layout().count() / self.grid.cells()[axis]) as f64;

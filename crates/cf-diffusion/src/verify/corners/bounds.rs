@@ -95,8 +95,8 @@ impl Check for Walls {
         let size = (case.energy(&start64) + case.energy(&expected) + volume).sqrt();
         let wrong = distance(&case, &state, &expected) / size;
         let content = volume * case.grid.layout().count() as f64;
-        // The dense outflow is c dt/h times a difference: its own rounding grows with that.
-        let stiff = 1.0 + 1e-4 * case.flux_unit() * case.dt / case.grid.h();
+        // The dense outflow is a conductance times a difference: five roundings of phi (f64) grow by that.
+        let stiff = 1.0 + 1e-3 * case.conductance(kappa);
         let through = (report.outflow - outflow).abs() / (outflow.abs() + content * stiff + case.passing());
         Ok(wrong.max(through) / T::STEP)
     }
@@ -173,7 +173,8 @@ impl Check for Residual {
         layout.each_cell(layout.cells_region(), |at| {
             off = off.max((loose.phi[at.slot()].f64() - tight.phi[at.slot()].f64()).abs());
         });
-        let size = layout.max_abs(&tight.phi).max(1.0) * (1.0 + kappa);
+        // phi is rebuilt from fluxes: their rounding is that of phi times what conducts (model/diffusion.md 0.1).
+        let size = layout.max_abs(&tight.phi).max(1.0) * (1.0 + case.conductance(kappa));
         Ok(off / (1.05 * report.residual + 100.0 * T::EPSILON * size))
     }
 }
@@ -183,12 +184,13 @@ pub(in crate::verify) struct LongRun;
 
 impl Check for LongRun {
     const NAME: &'static str = "long run";
-    const EXPECTED: &'static str = "after 400 steps the mass is off by at most ten times a step's allowance";
+    const EXPECTED: &'static str = "after 400 steps the mass is off by at most five times a step's allowance";
     fn run<T: Precise, const D: usize>(random: &mut Random) -> Measured {
         let kappa = random.decades(-3.0, 6.0);
         let mut case = stiff::<D>(random, Kinds::Closed, kappa)?;
         case.settings.tolerance = 1e-4;
-        Ok(mass_error::<T, D>(&case, &Medium::Still, random, 400)? / (10.0 * T::MASS))
+        // Each step may leave half a unit in the last place of one cell, of random sign: 1.2e-6 of a box of one cell.
+        Ok(mass_error::<T, D>(&case, &Medium::Still, random, 400)? / (5.0 * T::MASS))
     }
 }
 

@@ -6,7 +6,7 @@ use crate::deflate::Deflation;
 use crate::engine::Engine;
 use crate::error::SolveError;
 use crate::helmholtz::Helmholtz;
-use crate::pcg::{Preconditioner, Vectors, largest};
+use crate::pcg::{Vectors, largest};
 use crate::plan::{Choice, Plan};
 use crate::stop::{Deviation, Statistics, Stop};
 use crate::task::{Goal, Rhs, Task, unit_of};
@@ -100,7 +100,7 @@ impl<T: Real, const D: usize> Solver<T, D> {
 
     /// Bytes held: vectors, hierarchy, stored coefficients.
     pub fn bytes(&self) -> usize {
-        let vectors = 4 + 2 * usize::from(self.correction.is_some());
+        let vectors = 2 + 2 * usize::from(self.correction.is_some());
         vectors * self.layout.slots() * size_of::<T>() + self.engine.bytes()
     }
 
@@ -115,9 +115,17 @@ impl<T: Real, const D: usize> Solver<T, D> {
 
     /// z = M r, the preconditioner as an operator, for tests of its symmetry; the identity for plans without one.
     pub fn precondition(&mut self, r: &[T], z: &mut [T]) {
-        match self.engine.preconditioned() {
-            None => z.copy_from_slice(r),
-            Some((_, mut cycle)) => cycle.precondition(r, largest(&self.layout, r), z, &mut self.vectors.ap),
+        match &mut self.engine {
+            Engine::Plain(_) => z.copy_from_slice(r),
+            Engine::Same { multigrid, .. } => {
+                multigrid.split().1.run(r, 1.0, z, &Deflation::None);
+            }
+            Engine::Single { multigrid, z: single, .. } => {
+                let size = largest(&self.layout, r);
+                let unit = if size > 0.0 { size } else { 1.0 };
+                multigrid.split().1.run(r, 1.0 / unit, single, &Deflation::None);
+                self.layout.par_cells(z, |at| T::of(f64::from(single[at.slot()]) * unit));
+            }
         }
     }
 
@@ -155,9 +163,9 @@ impl<T: Real, const D: usize> Solver<T, D> {
         let [mut residual, mut dx] =
             self.correction.take().unwrap_or_else(|| [vec![T::ZERO; layout.slots()], vec![T::ZERO; layout.slots()]]);
         dx.copy_from_slice(x);
-        self.engine.operator().apply(&mut dx, &mut self.vectors.ap);
+        self.engine.operator().apply(&mut dx, &mut self.vectors.p);
         // A x may be out of the range of T, so that the residual is formed in f64 and stored in a unit of its own.
-        let (ap, scale) = (&self.vectors.ap[..], self.scale);
+        let (ap, scale) = (&self.vectors.p[..], self.scale);
         let at = |b: T, ap: T| b.f64() - scale * ap.f64();
         let size: Max = layout.par_runs(cells, (), |run, ()| {
             let pairs = run.row(b).iter().zip(run.row(ap));

@@ -24,8 +24,8 @@ impl<'a, T, const D: usize> Rows<'a, T, D> {
 
 /// Row kernels of a level operator.
 pub(crate) trait Stencil<T: Real, const D: usize>: Sync {
-    /// out = A x on a run. `c` is the run with one more value at either end.
-    fn apply(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, out: &mut [T]);
+    /// out = f(A x, out) on a run. `c` is the run with one more value at either end.
+    fn apply(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, out: &mut [T], f: impl Fn(T, T) -> T);
 
     /// out_c = f(J_c, out_c), J_c = (b_c + Σ w_f x_n)/diagonal_c: the solution of each cell's own equation.
     fn jacobi(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, b: &[T], out: &mut [T], f: impl Fn(T, T) -> T);
@@ -117,7 +117,7 @@ impl<const D: usize> BoxStencil<D> {
 
 impl<T: Real, const D: usize> Stencil<T, D> for BoxStencil<D> {
     #[inline]
-    fn apply(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, out: &mut [T]) {
+    fn apply(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, out: &mut [T], f: impl Fn(T, T) -> T) {
         let w = self.row_weights::<T>(run);
         let first = run.cell[0];
         let inner = self.inner(run);
@@ -130,7 +130,7 @@ impl<T: Real, const D: usize> Stencil<T, D> for BoxStencil<D> {
             for a in 1..D {
                 sides += w.low[a] * (x - near.low[a][t]) + w.high[a] * (x - near.high[a][t]);
             }
-            out[t] = scale * sides + (wl * (x - c[t]) + wr * (x - c[t + 2]));
+            out[t] = f(scale * sides + (wl * (x - c[t]) + wr * (x - c[t + 2])), out[t]);
         };
         for i in (first..inner.start).chain(inner.end.max(first)..first + run.len()) {
             edge(i, out);
@@ -146,7 +146,7 @@ impl<T: Real, const D: usize> Stencil<T, D> for BoxStencil<D> {
             for a in 1..D {
                 sides += w.low[a] * (v - low[a][i]) + w.high[a] * (v - high[a][i]);
             }
-            out[i] = sides + w.x * ((v - l[i]) + (v - r[i]));
+            out[i] = f(sides + w.x * ((v - l[i]) + (v - r[i])), out[i]);
         }
     }
 
@@ -241,7 +241,7 @@ impl<T: Real, const D: usize> StoredStencil<T, D> {
 
 impl<T: Real, const D: usize> Stencil<T, D> for StoredStencil<T, D> {
     #[inline]
-    fn apply(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, out: &mut [T]) {
+    fn apply(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, out: &mut [T], f: impl Fn(T, T) -> T) {
         let n = run.len();
         let mass = run.row(&self.mass);
         let (xl, xr) = (run.row(&self.face[0]), run.high(0, &self.face[0]));
@@ -249,13 +249,14 @@ impl<T: Real, const D: usize> Stencil<T, D> for StoredStencil<T, D> {
         let wh: [&[T]; D] = std::array::from_fn(|a| run.high(a, &self.face[a]));
         let (low, high) = (near.low, near.high);
         let (l, x, r) = (&c[..n], &c[1..n + 1], &c[2..n + 2]);
+        let out = &mut out[..n];
         for i in 0..n {
             let v = x[i];
             let mut sum = mass[i] * v;
             for a in 1..D {
                 sum += wl[a][i] * (v - low[a][i]) + wh[a][i] * (v - high[a][i]);
             }
-            out[i] = sum + (xl[i] * (v - l[i]) + xr[i] * (v - r[i]));
+            out[i] = f(sum + (xl[i] * (v - l[i]) + xr[i] * (v - r[i])), out[i]);
         }
     }
 

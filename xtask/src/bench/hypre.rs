@@ -1,7 +1,7 @@
 //! hypre's conjugate gradients with a PFMG cycle: a C program that is compiled here and run as processes.
 
 use super::problem::Problem;
-use super::solver::Turn;
+use super::solver::{self, Turn};
 use crate::failure::{Exit, Failure};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -78,9 +78,12 @@ fn complaint(done: &Output) -> String {
 fn read(line: &str) -> Option<Turn> {
     let said: Value = serde_json::from_str(line).ok()?;
     let number = |key: &str| said.get(key).and_then(Value::as_f64);
+    let iterations = said.get("iterations").and_then(Value::as_u64)?.try_into().ok()?;
+    let seconds = number("seconds")?;
     Some(Turn {
-        iterations: said.get("iterations").and_then(Value::as_u64)?.try_into().ok()?,
-        seconds: number("seconds")?,
+        iterations,
+        seconds,
+        new_seconds: solver::newness([1, iterations], [number("first_seconds")?, seconds]),
         setup_seconds: number("setup_seconds")?,
         bytes: number("bytes")?,
         residual: number("residual")?,
@@ -93,7 +96,6 @@ fn read(line: &str) -> Option<Turn> {
 mod tests {
     use super::*;
     use crate::bench::problem::{Cells, Numbers, Strength, Tolerance, Walls};
-    use crate::bench::solver;
 
     fn folder(name: &str) -> PathBuf {
         crate::bench::peers::folder().join(name)
@@ -108,9 +110,10 @@ mod tests {
 
     #[test]
     fn what_it_says_is_read() {
-        let line =
-            r#"{"iterations": 3, "seconds": 2.5, "setup_seconds": 0.5, "bytes": 8, "residual": 1e-7, "norm": 4.0}"#;
-        assert_eq!(read(line).map(|turn| (turn.iterations, turn.seconds, turn.bytes)), Some((3, 2.5, 8.0)));
+        let line = r#"{"iterations": 5, "seconds": 2.5, "setup_seconds": 0.5, "first_seconds": 0.75, "bytes": 8,
+            "residual": 1e-7, "norm": 4.0}"#;
+        let turn = read(line).unwrap();
+        assert_eq!((turn.iterations, turn.seconds, turn.new_seconds, turn.bytes), (5, 2.5, 0.25, 8.0));
         assert_eq!(read("mpirun was here"), None);
         assert_eq!(read(r#"{"iterations": 3}"#), None);
     }

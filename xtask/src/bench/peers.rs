@@ -49,9 +49,9 @@ impl Comparison {
         self.theirs.median(|turn| turn.seconds) / self.ours.median(|turn| turn.seconds)
     }
 
-    /// The same with set-up.
+    /// The same from nothing: with set-up and what new memory costs.
     pub fn ratio_with_setup(&self) -> f64 {
-        let whole = |measured: &Measured| measured.median(|turn| turn.setup_seconds + turn.seconds);
+        let whole = |measured: &Measured| measured.median(|turn| turn.setup_seconds + turn.new_seconds + turn.seconds);
         whole(&self.theirs) / whole(&self.ours)
     }
 
@@ -90,7 +90,16 @@ mod tests {
         let (strength, tolerance, numbers) = (Strength::Poisson, Tolerance(1e-6), Numbers::F64);
         let problem =
             Problem { cells: Cells(vec![8, 8]), walls: Walls::Closed, strength, tolerance, numbers, threads: 1 };
-        let turn = Turn { iterations: 5, seconds, setup_seconds: 1.0, bytes: 1.0, residual, norm, plan: None };
+        let turn = Turn {
+            iterations: 5,
+            seconds,
+            setup_seconds: 0.75,
+            new_seconds: 0.25,
+            bytes: 1.0,
+            residual,
+            norm,
+            plan: None,
+        };
         Measured { problem, method: "a method".into(), turns: vec![turn] }
     }
 

@@ -18,6 +18,8 @@ pub struct Turn {
     pub seconds: f64,
     /// Of building the solver \[s\].
     pub setup_seconds: f64,
+    /// What the first iterations took longer than those that were timed, because the memory was new \[s\].
+    pub new_seconds: f64,
     /// Held for the solve: solver, b and x.
     pub bytes: f64,
     /// ‖b - A x‖/‖b‖, formed anew from x.
@@ -107,16 +109,22 @@ fn solve<T: Real, const D: usize>(
         Solver::<T, D>::new(&operator, options)
     });
     let mut solver = solver?;
-    // Not timed, so that all memory has been touched.
-    solver.solve(&b, &mut x, Stop::Relative(0.5))?;
+    let (first, first_seconds) = timing::timed(|| solver.solve(&b, &mut x, Stop::Relative(0.5)));
     let (done, seconds) = timing::timed(|| solver.solve(&b, &mut x, Stop::Relative(tolerance)));
-    let iterations = done?.iterations;
+    let (first, iterations) = (first?.iterations, done?.iterations);
+    let new_seconds = newness([first, iterations], [first_seconds, seconds]);
     let bytes = (solver.bytes() + (b.len() + x.len()) * size_of::<T>()) as f64;
     let (sum, square) = (layout.sum(&x), layout.dot(&x, &x));
     let norm = (square - sum * sum / layout.count() as f64).max(0.0).sqrt();
     let residual = residual(&solver, layout, &b, &mut x);
     let plan = Some(solver.choice().to_string());
-    Ok(Turn { iterations, seconds, setup_seconds, bytes, residual, norm, plan })
+    Ok(Turn { iterations, seconds, setup_seconds, new_seconds, bytes, residual, norm, plan })
+}
+
+/// What the first iterations took longer than the later ones, at least 0.
+pub fn newness(iterations: [usize; 2], seconds: [f64; 2]) -> f64 {
+    let [first, later] = [iterations[0] as f64, iterations[1].max(1) as f64];
+    (seconds[0] - first * seconds[1] / later).max(0.0)
 }
 
 /// ‖b - A x‖/‖b‖; A x is rounded to the precision of `T`.

@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 struct Cost {
     seconds: f64,
     setup: f64,
+    new: f64,
     per_iteration: f64,
     passes: f64,
     bytes_per_cell: f64,
@@ -25,6 +26,7 @@ impl Cost {
         Cost {
             seconds,
             setup: measured.median(|turn| turn.setup_seconds),
+            new: measured.median(|turn| turn.new_seconds),
             per_iteration,
             passes: per_iteration * bandwidth.with(problem.threads) / (cells * problem.bytes() as f64),
             bytes_per_cell: measured.median(|turn| turn.bytes) / cells,
@@ -42,7 +44,8 @@ fn problem(problem: &Problem) -> Vec<String> {
 
 /// A line for each method and problem, and why the plan where it was not given.
 pub fn print(rows: &[&Measured], bandwidth: &Bandwidth) {
-    let costs = ["method", "iterations", "ms", "ms/iteration", "passes/iteration", "B/cell", "set-up ms", "runs"];
+    let costs =
+        ["method", "iterations", "ms", "ms/iteration", "passes/iteration", "B/cell", "set-up ms", "new ms", "runs"];
     let lines: Vec<Vec<String>> = rows
         .iter()
         .map(|measured| {
@@ -56,6 +59,7 @@ pub fn print(rows: &[&Measured], bandwidth: &Bandwidth) {
                 format!("{:.1}", cost.passes),
                 format!("{:.1}", cost.bytes_per_cell),
                 format!("{:.2}", 1e3 * cost.setup),
+                format!("{:.2}", 1e3 * cost.new),
                 measured.turns.len().to_string(),
             ]);
             line
@@ -71,6 +75,7 @@ pub fn print(rows: &[&Measured], bandwidth: &Bandwidth) {
         }
     }
     say!("\nA pass reads or writes one array of the grid's size once, at the stream bandwidth of as many threads.");
+    say!("New: what the first iteration took longer than later ones, because the system had to hand out the memory.");
 }
 
 /// A line for each problem: how much longer theirs took, and that both solved the same.
@@ -117,6 +122,7 @@ pub fn row(measured: &Measured, bandwidth: &Bandwidth) -> Value {
         "passes_per_iteration": cost.passes,
         "bytes_per_cell": cost.bytes_per_cell,
         "setup_seconds": cost.setup,
+        "new_memory_seconds": cost.new,
         "residual": measured.median(|turn| turn.residual),
         "norm": measured.median(|turn| turn.norm),
     })

@@ -1,6 +1,6 @@
 //! One level of the hierarchy: an operator on its layout, and whole-field sweeps of its row kernels.
 
-use cf_grid::{At, Layout, Near, Real, Reduce, Region, Run, row_dot};
+use cf_grid::{At, Layout, Near, Real, Reduce, Region, Run, array, row_dot};
 
 use crate::axis::AxisTable;
 use crate::band::Band;
@@ -69,7 +69,14 @@ impl<T: Real, const D: usize> LevelOperator<T, D> {
 
     /// y = A x; returns x·y. The rim of `x` is overwritten along periodic axes.
     pub fn apply(&self, x: &mut [T], y: &mut [T]) -> f64 {
-        self.sweep(x, y, |ax, _| ax, |c, y| row_dot(&c[1..], y))
+        self.sweep(
+            x,
+            y,
+            #[inline(always)]
+            |ax, _| ax,
+            #[inline(always)]
+            |c, y| row_dot(&c[1..], y),
+        )
     }
 
     /// y = f(A x, y), with `finish` of each row of x (one more value at either end) and y. The rim of `x` is overwritten
@@ -78,7 +85,7 @@ impl<T: Real, const D: usize> LevelOperator<T, D> {
         &self,
         x: &mut [T],
         y: &mut [T],
-        f: impl Fn(T, T) -> T + Sync,
+        f: impl Fn(T, T) -> T + Copy + Sync,
         finish: impl Fn(&[T], &[T]) -> S + Sync,
     ) -> S {
         self.wrap(x);
@@ -94,16 +101,19 @@ impl<T: Real, const D: usize> LevelOperator<T, D> {
         stencil: &impl Stencil<T, D>,
         x: &[T],
         y: &mut [T],
-        f: impl Fn(T, T) -> T + Sync,
+        f: impl Fn(T, T) -> T + Copy + Sync,
         finish: impl Fn(&[T], &[T]) -> S + Sync,
     ) -> S {
-        self.layout.par_runs(self.layout.cells_region(), y, |run, y: &mut [T]| {
-            let c = run.wide(x);
-            pulp::Arch::new().dispatch(|| {
-                stencil.apply(&run, c, Rows::of(&run, x), y, &f);
+        self.layout.par_runs(
+            self.layout.cells_region(),
+            y,
+            #[inline(always)]
+            |run, y: &mut [T]| {
+                let c = run.wide(x);
+                stencil.apply(&run, c, Rows::of(&run, x), y, f);
                 finish(c, y)
-            })
-        })
+            },
+        )
     }
 
     /// What `finish` makes of b - A x, chunk by chunk, without storing it: `fill` writes b. `finish` gets x too. The rim
@@ -130,30 +140,50 @@ impl<T: Real, const D: usize> LevelOperator<T, D> {
         finish: impl Fn(&[T], &[T]) -> S + Sync,
     ) -> S {
         const CHUNK: usize = 256;
-        self.layout.par_runs(self.layout.cells_region(), (), |run, ()| {
-            let (mut chunk, mut total) = ([T::ZERO; CHUNK], S::default());
-            for first in (0..run.len()).step_by(CHUNK) {
-                let part = run.part(first, CHUNK.min(run.len() - first));
-                let r = &mut chunk[..part.len()];
-                let sum = pulp::Arch::new().dispatch(|| {
+        self.layout.par_runs(
+            self.layout.cells_region(),
+            (),
+            #[inline(always)]
+            |run, ()| {
+                let (mut chunk, mut total) = ([T::ZERO; CHUNK], S::default());
+                for first in (0..run.len()).step_by(CHUNK) {
+                    let part = run.part(first, CHUNK.min(run.len() - first));
+                    let r = &mut chunk[..part.len()];
                     fill(&part, r);
-                    stencil.apply(&part, part.wide(x), Rows::of(&part, x), r, |ax, b| b - ax);
-                    finish(part.row(x), r)
-                });
-                total = total.merge(sum);
-            }
-            total
-        })
+                    stencil.apply(
+                        &part,
+                        part.wide(x),
+                        Rows::of(&part, x),
+                        r,
+                        #[inline(always)]
+                        |ax, b| b - ax,
+                    );
+                    total = total.merge(finish(part.row(x), r));
+                }
+                total
+            },
+        )
     }
 
     /// r = b - A x.
     pub fn residual(&self, b: &[T], x: &mut [T], r: &mut [T]) {
-        self.layout.par_runs(self.layout.cells_region(), &mut *r, |run, r: &mut [T]| r.copy_from_slice(run.row(b)));
-        self.sweep(x, r, |ax, b| b - ax, |_, _| ());
+        self.layout.par_runs(
+            self.layout.cells_region(),
+            &mut *r,
+            #[inline(always)]
+            |run, r: &mut [T]| r.copy_from_slice(run.row(b)),
+        );
+        self.sweep(
+            x,
+            r,
+            #[inline(always)]
+            |ax, b| b - ax,
+            |_, _| (),
+        );
     }
 
     /// out = f(J x, out) with the Jacobi solution J of every cell. The rim of `x` is overwritten along periodic axes.
-    pub fn jacobi(&self, b: &[T], x: &mut [T], out: &mut [T], f: impl Fn(T, T) -> T + Sync) {
+    pub fn jacobi(&self, b: &[T], x: &mut [T], out: &mut [T], f: impl Fn(T, T) -> T + Copy + Sync) {
         self.wrap(x);
         let x = &*x;
         match &self.coefficients {
@@ -162,10 +192,22 @@ impl<T: Real, const D: usize> LevelOperator<T, D> {
         }
     }
 
-    fn jacobi_rows(&self, stencil: &impl Stencil<T, D>, b: &[T], x: &[T], out: &mut [T], f: impl Fn(T, T) -> T + Sync) {
-        self.layout.par_runs(self.layout.cells_region(), out, |run, out: &mut [T]| {
-            stencil.jacobi(&run, run.wide(x), Rows::of(&run, x), run.row(b), out, &f);
-        });
+    fn jacobi_rows(
+        &self,
+        stencil: &impl Stencil<T, D>,
+        b: &[T],
+        x: &[T],
+        out: &mut [T],
+        f: impl Fn(T, T) -> T + Copy + Sync,
+    ) {
+        self.layout.par_runs(
+            self.layout.cells_region(),
+            out,
+            #[inline(always)]
+            |run, out: &mut [T]| {
+                stencil.jacobi(&run, run.wide(x), Rows::of(&run, x), run.row(b), out, f);
+            },
+        );
     }
 
     /// One smoother: a red-black sweep, over obstacles with sweeps of the band before and after. `backward` reverses the
@@ -198,23 +240,33 @@ impl<T: Real, const D: usize> LevelOperator<T, D> {
     }
 
     fn relax_rows(&self, stencil: &impl Stencil<T, D>, part: Region<D>, b: &[T], x: &mut [T], colour: usize) {
-        self.layout.par_rows_in_place(part, x, |run, row, near| {
-            stencil.relax(&run, row, near_rows(&run, &near), run.row(b), colour);
-        });
+        self.layout.par_rows_in_place(
+            part,
+            x,
+            #[inline(always)]
+            |run, row, near| {
+                stencil.relax(&run, row, near_rows(&run, &near), run.row(b), colour);
+            },
+        );
     }
 
     fn relax_band(&self, part: Region<D>, b: &[T], x: &mut [T], colour: usize) {
         let (Coefficients::Stored(stencil), Some(band)) = (&self.coefficients, &self.band) else { return };
         self.wrap(x);
-        self.layout.par_rows_in_place(part, x, |run, row, near| {
-            for &[first, end] in band.row(&self.layout, run.cell) {
-                let (first, end) = ((first as usize).max(part.low[0]), (end as usize).min(part.high[0]));
-                if first < end {
-                    let run = run.part(first - part.low[0], end - first);
-                    stencil.relax(&run, row, near_rows(&run, &near), run.row(b), colour);
+        self.layout.par_rows_in_place(
+            part,
+            x,
+            #[inline(always)]
+            |run, row, near| {
+                for &[first, end] in band.row(&self.layout, run.cell) {
+                    let (first, end) = ((first as usize).max(part.low[0]), (end as usize).min(part.high[0]));
+                    if first < end {
+                        let run = run.part(first - part.low[0], end - first);
+                        stencil.relax(&run, row, near_rows(&run, &near), run.row(b), colour);
+                    }
                 }
-            }
-        });
+            },
+        );
     }
 
     /// Whether a conducting wall touches a cell.
@@ -240,7 +292,17 @@ impl<T: Real, const D: usize> LevelOperator<T, D> {
 }
 
 /// Neighbour rows of a run.
+#[inline(always)]
 fn near_rows<'a, T, const D: usize>(run: &Run<'_, D>, near: &Near<'a, T, D>) -> Rows<'a, T, D> {
     let cells = run.cell[0] + 1..run.cell[0] + 1 + run.len();
-    Rows { low: near.low.map(|r| &r[cells.clone()]), high: near.high.map(|r| &r[cells.clone()]) }
+    Rows {
+        low: array(
+            #[inline(always)]
+            |a| &near.low[a][cells.clone()],
+        ),
+        high: array(
+            #[inline(always)]
+            |a| &near.high[a][cells.clone()],
+        ),
+    }
 }

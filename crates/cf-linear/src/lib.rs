@@ -45,6 +45,7 @@ mod fused;
 mod helmholtz;
 mod level;
 mod multigrid;
+mod norms;
 mod pcg;
 mod plan;
 mod solver;

@@ -151,24 +151,39 @@ impl<T: Real, const D: usize> Cycle<'_, T, D> {
         {
             fused.descend(b, scale, &mut next.b, &mut work.threads);
             cycle(&next.operator, &steps[1..], below, coarsest, &next.b, &mut next.x, &mut next.scratch, work);
-            return fused.ascend(b, scale, &next.x, x, &mut work.sums, &mut work.threads);
+            let products = fused.ascend(b, scale, &next.x, x, &mut work.sums, &mut work.threads);
+            if !products.bx.is_finite() {
+                // What stands between rows is multiplied by zero, which NaN would survive.
+                work.threads.iter_mut().for_each(|scratch| scratch.fill(T::ZERO));
+            }
+            return products;
         }
         let layout = finest.layout;
         let cells = layout.cells_region();
         let [copy, scratch] = &mut **own;
-        layout.par_runs(cells, &mut copy[..], |run, copy: &mut [T]| {
-            for (copy, &b) in copy.iter_mut().zip(run.row(b)) {
-                *copy = T::of(b.f64() * scale);
-            }
-        });
+        layout.par_runs(
+            cells,
+            &mut copy[..],
+            #[inline(always)]
+            |run, copy: &mut [T]| {
+                for (copy, &b) in copy.iter_mut().zip(run.row(b)) {
+                    *copy = T::of(b.f64() * scale);
+                }
+            },
+        );
         cycle(finest, steps, coarser, coarsest, copy, x, scratch, work);
         if let Deflation::Components(_) = deflation {
             deflation.project(&layout, x);
         }
-        let (bx, sum): (f64, f64) = layout.par_runs(cells, (), |run, ()| {
-            let x = run.row(x);
-            (row_dot(run.row(copy), x), row_sum(x))
-        });
+        let (bx, sum): (f64, f64) = layout.par_runs(
+            cells,
+            (),
+            #[inline(always)]
+            |run, ()| {
+                let x = run.row(x);
+                (row_dot(run.row(copy), x), row_sum(x))
+            },
+        );
         Products { bx, xax: finest.apply(x, scratch), x: sum }
     }
 }

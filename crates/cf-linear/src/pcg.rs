@@ -11,11 +11,12 @@
 //! | p = z + beta p, x += alpha p | z, p, x | p, x | 5 |
 //! | r -= alpha A p | p, r | r | 3 |
 
-use cf_grid::{Layout, Max, Real, row_dot, row_sum};
+use cf_grid::{Layout, Max, Real, array, inlined};
 
 use crate::deflate::Deflation;
 use crate::level::LevelOperator;
 use crate::multigrid::Cycle;
+use crate::norms::{BLOCK, Largest, Norms, residual_norms, row_largest};
 
 /// Vectors of an iteration, made once.
 pub(crate) struct Vectors<T> {
@@ -28,19 +29,6 @@ impl<T: Real> Vectors<T> {
         let field = || vec![T::ZERO; layout.slots()];
         Self { r: field(), p: field() }
     }
-}
-
-/// Norms of a residual.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Norms {
-    /// 2-norm.
-    pub two: f64,
-    /// Max-norm.
-    pub largest: f64,
-    /// Sum of the residual.
-    pub sum: f64,
-    /// Max-norm of the solution it belongs to, the measure of the rounding floor.
-    pub solution: f64,
 }
 
 /// Largest |mean| of a residual, relative to its 2-norm per cell, that is left in it.
@@ -87,8 +75,14 @@ pub(crate) fn iterate<T: Real, Z: Real, const D: usize>(
         let solution = advance(&layout, deflation, z, factors, last.is_none(), &mut v.p, x);
         last = Some((rho, curvature));
         let step = T::of(step);
-        let (square, sum, largest) =
-            operator.sweep(&mut v.p, &mut v.r, |ap, r| r - step * ap, |_, r| residual_norms(r));
+        let (square, sum, largest) = operator.sweep(
+            &mut v.p,
+            &mut v.r,
+            #[inline(always)]
+            move |ap, r| r - step * ap,
+            #[inline(always)]
+            |_, r| residual_norms(r),
+        );
         norms = Norms { two: square.sqrt(), largest: largest.0, sum, solution };
         // Rounding slowly gives the residual a constant part, which no correction can remove.
         let drifted = match deflation {
@@ -117,69 +111,69 @@ fn advance<T: Real, Z: Real, const D: usize>(
     let cells = layout.cells_region();
     let [unit, mean, beta, step] = [unit, mean, beta, step].map(T::of);
     let same = T::NAME == Z::NAME;
-    let turn = |z: &[Z], p: &mut [T]| {
-        let new = |z: Z| {
+    let turn = inlined(
+        #[inline(always)]
+        move |z: Z, p: T| {
             let z = T::of(z.f64());
-            if same { z - mean } else { unit * z - mean }
-        };
-        if first {
-            p.iter_mut().zip(z).for_each(|(p, &z)| *p = new(z));
-        } else {
-            p.iter_mut().zip(z).for_each(|(p, &z)| *p = new(z) + beta * *p);
-        }
-    };
-    let go = |p: &[T], x: &mut [T]| {
-        x.iter_mut().zip(p).for_each(|(x, &p)| *x += step * p);
-        Max(row_largest(x))
-    };
+            let z = if same { z - mean } else { unit * z - mean };
+            if first { z } else { z + beta * p }
+        },
+    );
     let largest = if let (false, Deflation::Components(_)) = (same, deflation) {
         // What single precision left of the constants would stay in x.
-        layout.par_runs(cells, &mut *p, |run, p: &mut [T]| turn(run.row(z), p));
+        layout.par_runs(
+            cells,
+            &mut *p,
+            #[inline(always)]
+            |run, p: &mut [T]| {
+                for (p, &z) in p.iter_mut().zip(run.row(z)) {
+                    *p = turn(z, *p);
+                }
+            },
+        );
         deflation.project(layout, p);
         let p = &*p;
-        layout.par_runs(cells, x, |run, x: &mut [T]| go(run.row(p), x))
+        layout.par_runs(
+            cells,
+            x,
+            #[inline(always)]
+            |run, x: &mut [T]| {
+                for (x, &p) in x.iter_mut().zip(run.row(p)) {
+                    *x += step * p;
+                }
+                Max(row_largest(x))
+            },
+        )
     } else {
-        layout.par_runs(cells, (p, x), |run, (p, x): (&mut [T], &mut [T])| {
-            pulp::Arch::new().dispatch(|| {
-                turn(run.row(z), p);
-                go(p, x)
-            })
-        })
+        layout.par_runs(
+            cells,
+            (p, x),
+            #[inline(always)]
+            |run, (p, x): (&mut [T], &mut [T])| {
+                let (z, last_z) = run.row(z).as_chunks::<BLOCK>();
+                let (p, last_p) = p.as_chunks_mut::<BLOCK>();
+                let (x, last_x) = x.as_chunks_mut::<BLOCK>();
+                let mut largest = Largest::default();
+                for ((z, p), x) in z.iter().zip(p).zip(x) {
+                    let (old, at) = (*p, *x);
+                    let new: [T; BLOCK] = array(
+                        #[inline(always)]
+                        |k| turn(z[k], old[k]),
+                    );
+                    let there: [T; BLOCK] = array(
+                        #[inline(always)]
+                        |k| at[k] + step * new[k],
+                    );
+                    (*p, *x) = (new, there);
+                    largest.take(&there);
+                }
+                for ((&z, p), x) in last_z.iter().zip(last_p).zip(&mut *last_x) {
+                    *p = turn(z, *p);
+                    *x += step * *p;
+                }
+                Max(largest.end(last_x))
+            },
+        )
     };
-    largest.0
-}
-
-/// Square, sum and largest entry of a row of a residual.
-#[inline(always)]
-pub(crate) fn residual_norms<T: Real>(r: &[T]) -> (f64, f64, Max) {
-    (row_dot(r, r), row_sum(r), Max(row_largest(r)))
-}
-
-/// Largest absolute value of a row; NaN if any value is NaN.
-#[inline(always)]
-pub(crate) fn row_largest<T: Real>(r: &[T]) -> f64 {
-    // A NaN gets in, and nothing is larger than it.
-    let larger = |m: T, v: T| {
-        let v = v.abs();
-        if v <= m { m } else { v }
-    };
-    let keep = |m: T, v: T| if m.partial_cmp(&m).is_none() { m } else { larger(m, v) };
-    let mut lanes = [T::ZERO; 8];
-    let chunks = r.chunks_exact(8);
-    let mut largest = chunks.remainder().iter().fold(T::ZERO, |m, &v| keep(m, v));
-    for c in chunks {
-        for l in 0..8 {
-            lanes[l] = keep(lanes[l], c[l]);
-        }
-    }
-    for &l in &lanes {
-        largest = keep(largest, l);
-    }
-    largest.f64()
-}
-
-/// Largest absolute value over all cells; NaN if any value is NaN.
-pub(crate) fn largest<T: Real, const D: usize>(layout: &Layout<D>, x: &[T]) -> f64 {
-    let largest: Max = layout.par_runs(layout.cells_region(), (), |run, ()| Max(row_largest(run.row(x))));
     largest.0
 }

@@ -6,7 +6,8 @@ use crate::deflate::Deflation;
 use crate::engine::Engine;
 use crate::error::SolveError;
 use crate::helmholtz::Helmholtz;
-use crate::pcg::{Vectors, largest};
+use crate::norms::largest;
+use crate::pcg::Vectors;
 use crate::plan::{Choice, Plan};
 use crate::stop::{Deviation, Statistics, Stop};
 use crate::task::{Goal, Rhs, Task, unit_of};
@@ -108,9 +109,14 @@ impl<T: Real, const D: usize> Solver<T, D> {
     pub fn apply(&self, x: &mut [T], y: &mut [T]) {
         self.engine.operator().apply(x, y);
         let scale = self.scale;
-        self.layout.par_runs(self.layout.cells_region(), y, |_, row: &mut [T]| {
-            row.iter_mut().for_each(|v| *v = T::of(v.f64() * scale));
-        });
+        self.layout.par_runs(
+            self.layout.cells_region(),
+            y,
+            #[inline(always)]
+            |_, row: &mut [T]| {
+                row.iter_mut().for_each(|v| *v = T::of(v.f64() * scale));
+            },
+        );
     }
 
     /// z = M r, the preconditioner as an operator, for tests of its symmetry; the identity for plans without one.
@@ -167,21 +173,31 @@ impl<T: Real, const D: usize> Solver<T, D> {
         // A x may be out of the range of T, so that the residual is formed in f64 and stored in a unit of its own.
         let (ap, scale) = (&self.vectors.p[..], self.scale);
         let at = |b: T, ap: T| b.f64() - scale * ap.f64();
-        let size: Max = layout.par_runs(cells, (), |run, ()| {
-            let pairs = run.row(b).iter().zip(run.row(ap));
-            match &self.fluid {
-                None => pairs.fold(Max(0.0), |m, (&b, &ap)| larger(m, at(b, ap))),
-                Some(fluid) => pairs
-                    .zip(run.row(fluid))
-                    .fold(Max(0.0), |m, ((&b, &ap), &fluid)| if fluid { larger(m, at(b, ap)) } else { m }),
-            }
-        });
+        let size: Max = layout.par_runs(
+            cells,
+            (),
+            #[inline(always)]
+            |run, ()| {
+                let pairs = run.row(b).iter().zip(run.row(ap));
+                match &self.fluid {
+                    None => pairs.fold(Max(0.0), |m, (&b, &ap)| larger(m, at(b, ap))),
+                    Some(fluid) => pairs
+                        .zip(run.row(fluid))
+                        .fold(Max(0.0), |m, ((&b, &ap), &fluid)| if fluid { larger(m, at(b, ap)) } else { m }),
+                }
+            },
+        );
         let unit = unit_of(size.0);
-        layout.par_runs(cells, &mut residual[..], |run, r: &mut [T]| {
-            for ((r, &b), &ap) in r.iter_mut().zip(run.row(b)).zip(run.row(ap)) {
-                *r = T::of(at(b, ap) / unit);
-            }
-        });
+        layout.par_runs(
+            cells,
+            &mut residual[..],
+            #[inline(always)]
+            |run, r: &mut [T]| {
+                for ((r, &b), &ap) in r.iter_mut().zip(run.row(b)).zip(run.row(ap)) {
+                    *r = T::of(at(b, ap) / unit);
+                }
+            },
+        );
         let goal = match stop {
             Stop::Largest(tolerance) => Goal::Largest(tolerance / unit),
             Stop::Relative(tolerance) => Goal::Two(tolerance * all / unit),
@@ -190,11 +206,16 @@ impl<T: Real, const D: usize> Solver<T, D> {
             self.run(&residual, &mut dx, goal).and_then(|deviation| {
                 let deviation = deviation.times(unit);
                 self.finish_checked(&mut dx, &deviation)?;
-                layout.par_runs(cells, &mut *x, |run, x: &mut [T]| {
-                    for (x, &dx) in x.iter_mut().zip(run.row(&dx)) {
-                        *x += dx;
-                    }
-                });
+                layout.par_runs(
+                    cells,
+                    &mut *x,
+                    #[inline(always)]
+                    |run, x: &mut [T]| {
+                        for (x, &dx) in x.iter_mut().zip(run.row(&dx)) {
+                            *x += dx;
+                        }
+                    },
+                );
                 self.engine.operator().wrap(x);
                 Ok(Statistics { rhs: all, ..deviation.statistics })
             })

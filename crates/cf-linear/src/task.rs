@@ -7,7 +7,8 @@ use crate::deflate::Deflation;
 use crate::engine::Engine;
 use crate::level::LevelOperator;
 use crate::multigrid::Cycle;
-use crate::pcg::{self, Norms, Vectors, residual_norms, row_largest};
+use crate::norms::{Norms, largest, norms, residual_norms, row_largest};
+use crate::pcg::{self, Vectors};
 
 /// When a solve is done, in the units of the caller.
 #[derive(Debug, Clone, Copy)]
@@ -50,12 +51,17 @@ impl<'a, T: Real> Rhs<'a, T> {
     /// Chooses the unit; `None` if a value is not finite.
     pub fn new<const D: usize>(layout: &Layout<D>, b: &'a [T], fluid: Option<&'a [bool]>) -> Option<Self> {
         let largest = match fluid {
-            None => pcg::largest(layout, b),
+            None => largest(layout, b),
             Some(fluid) => {
-                let largest: Max = layout.par_runs(layout.cells_region(), (), |run, ()| {
-                    let values = run.row(b).iter().zip(run.row(fluid)).filter(|(_, f)| **f);
-                    values.fold(Max(0.0), |m, (v, _)| cf_grid::Reduce::merge(m, Max(v.f64().abs())))
-                });
+                let largest: Max = layout.par_runs(
+                    layout.cells_region(),
+                    (),
+                    #[inline(always)]
+                    |run, ()| {
+                        let values = run.row(b).iter().zip(run.row(fluid)).filter(|(_, f)| **f);
+                        values.fold(Max(0.0), |m, (v, _)| cf_grid::Reduce::merge(m, Max(v.f64().abs())))
+                    },
+                );
                 largest.0
             }
         };
@@ -79,13 +85,15 @@ impl<'a, T: Real> Rhs<'a, T> {
 
     /// Writes it to `r`; `self.means` are left out.
     pub fn load<const D: usize>(&self, layout: &Layout<D>, deflation: &Deflation, r: &mut [T]) -> Norms {
-        let (square, sum, largest): (f64, f64, Max) =
-            layout.par_runs(layout.cells_region(), &mut *r, |run, r: &mut [T]| {
-                pulp::Arch::new().dispatch(|| {
-                    self.fill(deflation, &run, r);
-                    residual_norms(r)
-                })
-            });
+        let (square, sum, largest): (f64, f64, Max) = layout.par_runs(
+            layout.cells_region(),
+            &mut *r,
+            #[inline(always)]
+            |run, r: &mut [T]| {
+                self.fill(deflation, &run, r);
+                residual_norms(r)
+            },
+        );
         if let Deflation::Components(_) = deflation {
             let negative: Vec<f64> = self.means.iter().map(|m| -m).collect();
             deflation.shift(layout, r, &negative);
@@ -99,8 +107,12 @@ impl<'a, T: Real> Rhs<'a, T> {
             Deflation::None => self.load(layout, deflation, r),
             Deflation::Whole => {
                 let inverse = 1.0 / self.unit;
-                let sum: f64 =
-                    layout.par_runs(layout.cells_region(), (), |run, ()| scaled_sum(run.row(self.b), inverse));
+                let sum: f64 = layout.par_runs(
+                    layout.cells_region(),
+                    (),
+                    #[inline(always)]
+                    |run, ()| scaled_sum(run.row(self.b), inverse),
+                );
                 self.means = vec![sum / layout.count() as f64];
                 let loaded = self.load(layout, deflation, r);
                 // Rounding leaves a mean where the constant is far larger than the rest.
@@ -144,13 +156,6 @@ fn scaled_sum<T: Real>(b: &[T], scale: f64) -> f64 {
 /// The largest power of two that is at most `largest`, within the range whose inverse is finite.
 pub(crate) fn unit_of(largest: f64) -> f64 {
     if largest > 0.0 { 2f64.powi((largest.log2().floor() as i32).clamp(-1022, 1023)) } else { 1.0 }
-}
-
-/// Norms of a residual whose solution is zero.
-pub(crate) fn norms<T: Real, const D: usize>(layout: &Layout<D>, r: &[T]) -> Norms {
-    let (square, sum, largest): (f64, f64, Max) =
-        layout.par_runs(layout.cells_region(), (), |run, ()| residual_norms(run.row(r)));
-    Norms { two: square.sqrt(), largest: largest.0, sum, solution: 0.0 }
 }
 
 /// A loaded right-hand side with everything that says how far to go.
@@ -210,11 +215,16 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
     pub fn diagonal(&self, operator: &LevelOperator<T, D>, y: &mut [T], v: &mut Vectors<T>) -> (usize, Norms) {
         let gain = T::of(1.0 / self.alpha);
         let r = &v.r[..];
-        self.layout.par_runs(self.layout.cells_region(), &mut *y, |run, y: &mut [T]| {
-            for (y, &r) in y.iter_mut().zip(run.row(r)) {
-                *y = gain * r;
-            }
-        });
+        self.layout.par_runs(
+            self.layout.cells_region(),
+            &mut *y,
+            #[inline(always)]
+            |run, y: &mut [T]| {
+                for (y, &r) in y.iter_mut().zip(run.row(r)) {
+                    *y = gain * r;
+                }
+            },
+        );
         (0, self.residual(operator, y, &v.r))
     }
 
@@ -292,7 +302,13 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
                 break;
             }
             self.rhs.load(&self.layout, deflation, &mut v.r);
-            operator.sweep(y, &mut v.r, |ay, b| b - ay, |_, _| ());
+            operator.sweep(
+                y,
+                &mut v.r,
+                #[inline(always)]
+                |ay, b| b - ay,
+                |_, _| (),
+            );
             deflation.project(&self.layout, &mut v.r);
             reached = Norms { solution: reached.solution, ..norms(&self.layout, &v.r) };
         }
@@ -305,12 +321,22 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
             self.rhs.load(&self.layout, self.deflation, &mut v.r);
             return self.residual(operator, y, &v.r);
         }
-        self.norms_of(operator.deficit(y, |run, r| self.rhs.fill(self.deflation, run, r), measure))
+        self.norms_of(operator.deficit(
+            y,
+            #[inline(always)]
+            |run, r| self.rhs.fill(self.deflation, run, r),
+            measure,
+        ))
     }
 
     /// Norms of b - A y.
     fn residual(&self, operator: &LevelOperator<T, D>, y: &mut [T], b: &[T]) -> Norms {
-        self.norms_of(operator.deficit(y, |run, r| r.copy_from_slice(run.row(b)), measure))
+        self.norms_of(operator.deficit(
+            y,
+            #[inline(always)]
+            |run, r| r.copy_from_slice(run.row(b)),
+            measure,
+        ))
     }
 
     fn norms_of(&self, ((square, sum, largest), solution): ((f64, f64, Max), Max)) -> Norms {

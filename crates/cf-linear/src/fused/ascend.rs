@@ -5,10 +5,10 @@
 
 use std::ops::Range;
 
-use cf_grid::{Real, row_dot, row_sum};
+use cf_grid::Real;
 
-use super::rows::{half, join, padded, seal, split};
-use super::tile::{Ring, each_slab, slabs, strip};
+use super::rows::{BLOCK, Sums, half, join, measure, padded, seal, split};
+use super::tile::{Ring, aligned, each_slab, slabs, strip};
 use super::{Fused, Products, Scratch, around, parity};
 
 /// Half planes of the rings: b black (2), b red (3), t red (3), x black (3).
@@ -42,15 +42,24 @@ impl<T: Real, const D: usize> Fused<T, D> {
         let parts = slabs(planes, self.fine.count()).min(scratch.len());
         let own = &mut x[plane..(planes + 1) * plane];
         let sums = &mut sums[..planes];
-        each_slab(0..planes, parts, plane, own, sums, scratch, &|planes, out, sums, scratch| {
-            sums.fill(Products::default());
-            let mut from = 0;
-            while from < self.rows() {
-                let to = (from + self.ascend_step()).min(self.rows());
-                self.ascend_strip(b, scale, coarse, planes.clone(), from..to, out, sums, scratch);
-                from = to;
-            }
-        });
+        each_slab(
+            0..planes,
+            parts,
+            plane,
+            own,
+            sums,
+            scratch,
+            #[inline(always)]
+            |planes, out, sums, scratch| {
+                sums.fill(Products::default());
+                let mut from = 0;
+                while from < self.rows() {
+                    let to = (from + self.ascend_step()).min(self.rows());
+                    self.ascend_strip(b, scale, coarse, planes.clone(), from..to, out, sums, scratch);
+                    from = to;
+                }
+            },
+        );
         sums.iter().fold(Products::default(), |a, b| Products { bx: a.bx + b.bx, xax: a.xax + b.xax, x: a.x + b.x })
     }
 
@@ -74,14 +83,25 @@ impl<T: Real, const D: usize> Fused<T, D> {
         let halo = self.halo(1);
         let base = rows.start as isize - 2 * halo as isize;
         let count = rows.len() + 4 * halo;
-        let mut rest = &mut scratch[..];
+        let mut rest = aligned(scratch);
         let mut b_black = Ring::cut(&mut rest, 2, count, padded);
         let mut b_red = Ring::cut(&mut rest, 3, count, padded);
         let mut red = Ring::cut(&mut rest, 3, count, padded);
         let mut black = Ring::cut(&mut rest, 3, count, padded);
-        let (parent, rest) = rest.split_at_mut(padded);
-        let last = &mut rest[..padded];
+        let mut parent = Ring::cut(&mut rest, 1, 1, padded);
+        let parent = parent.row_mut(0, 0);
+        let mut last = Ring::cut(&mut rest, 1, 1, padded);
+        let last = last.row_mut(0, 0);
+        // Each stage in a loop of its own: the fewer streams at a time, the better are they fetched ahead.
         for v in za - 2..zb + 2 {
+            for r in 0..count {
+                let (j, s) = (base + r as isize, parity(v, base + r as isize));
+                let Some(cell) = place.cell(v, j) else { continue };
+                let at = self.fine.slot(cell);
+                let (r_row, b_row) = (b_red.row_mut(v, r), b_black.row_mut(v, r));
+                let (even, odd) = if s == 0 { (r_row, b_row) } else { (b_row, r_row) };
+                split(&b[at..at + n], scale, even, odd);
+            }
             for r in 0..count {
                 let (j, s) = (base + r as isize, parity(v, base + r as isize));
                 let row = red.row_mut(v, r);
@@ -89,20 +109,16 @@ impl<T: Real, const D: usize> Fused<T, D> {
                     row.fill(T::ZERO);
                     continue;
                 };
-                let at = self.fine.slot(cell);
-                let (r_row, b_row) = (b_red.row_mut(v, r), b_black.row_mut(v, r));
-                let (even, odd) = if s == 0 { (&mut *r_row, b_row) } else { (b_row, &mut *r_row) };
-                split(&b[at..at + n], scale, even, odd);
-                self.table.row(cell).divide(n, s, r_row, row);
-                let h = half(n, s);
+                self.table.row(cell, s).divide(b_red.row(v, r), row);
                 self.take(cell, [v, j], coarse, parent);
-                self.along.prolong_add(s, h, parent, row);
-                seal(row, h, self.periodic[0]);
+                self.along.prolong_add(s, parent, row);
+                seal(row, half(n, s), self.periodic[0]);
             }
             let v = v - 1;
             if v < za - 1 {
                 continue;
             }
+            let mut lanes = Sums::default();
             for r in halo..count - halo {
                 let (j, q) = (base + r as isize, 1 - parity(v, base + r as isize));
                 let row = black.row_mut(v, r);
@@ -110,33 +126,27 @@ impl<T: Real, const D: usize> Fused<T, D> {
                     row.fill(T::ZERO);
                     continue;
                 };
-                let (op, h) = (self.table.row(cell), half(n, q));
-                op.gather::<true>(n, q, b_black.row(v, r), &around(&red, v, r), row);
-                seal(row, h, self.periodic[0]);
-                if planes.contains(&(v as usize)) && (2 * halo..count - 2 * halo).contains(&r) {
-                    let sum = &mut sums[v as usize - planes.start];
-                    let x = &row[1..1 + h];
-                    sum.bx += row_dot(&b_black.row(v, r)[1..1 + h], x);
-                    sum.x += row_sum(x);
-                    sum.xax += op.lone_energy(n, q, row);
+                let (op, near) = (self.table.row(cell, q), around(&red, v, r));
+                if (2 * halo..count - 2 * halo).contains(&r) {
+                    op.relax::<{ measure::LONE }>(q, b_black.row(v, r), &near, row, &mut lanes);
+                } else {
+                    op.relax::<{ measure::NONE }>(q, b_black.row(v, r), &near, row, &mut Sums::default());
                 }
+                seal(row, half(n, q), self.periodic[0]);
+            }
+            if (za..zb).contains(&v) {
+                sums[(v - za) as usize].add(&lanes);
             }
             let v = v - 1;
             if v < za {
                 continue;
             }
-            let k = v as usize - planes.start;
+            let mut lanes = Sums::default();
             for r in 2 * halo..count - 2 * halo {
                 let (j, s) = (base + r as isize, parity(v, base + r as isize));
                 let Some(cell) = place.cell(v, j) else { continue };
-                let (op, h) = (self.table.row(cell), half(n, s));
                 let near = around(&black, v, r);
-                op.gather::<true>(n, s, b_red.row(v, r), &near, last);
-                let x = &last[1..1 + h];
-                let sum = &mut sums[k];
-                sum.bx += row_dot(&b_red.row(v, r)[1..1 + h], x);
-                sum.x += row_sum(x);
-                sum.xax += op.energy(n, s, last, &near);
+                self.table.row(cell, s).relax::<{ measure::WHOLE }>(s, b_red.row(v, r), &near, last, &mut lanes);
                 let at = self.fine.slot(cell) - (planes.start + 1) * self.fine.stride(D - 1);
                 let row = &mut out[at..at + n];
                 let (even, odd) = if s == 0 { (&*last, near.row) } else { (near.row, &*last) };
@@ -145,6 +155,7 @@ impl<T: Real, const D: usize> Fused<T, D> {
                     (out[at - 1], out[at + n]) = (out[at + n - 1], out[at]);
                 }
             }
+            sums[(v - za) as usize].add(&lanes);
         }
     }
 
@@ -152,31 +163,58 @@ impl<T: Real, const D: usize> Fused<T, D> {
     #[inline(always)]
     fn take(&self, cell: [usize; D], [v, j]: [isize; 2], coarse: &[T], row: &mut [T]) {
         let m = self.coarse.cells();
-        let row = &mut row[..m[0] + 2];
-        row.fill(T::ZERO);
-        let mut add = |at: usize, w: f64| {
-            let w = T::of(w);
-            for (row, &v) in row.iter_mut().zip(&coarse[at - 1..at + 1 + m[0]]) {
-                *row += w * v;
-            }
-        };
         let wrapped = |a: usize, i: isize| i.rem_euclid(m[a] as isize) as usize;
-        for (k, wz) in self.across[D - 1].of(v, cell[D - 1]) {
-            if wz == 0.0 {
-                continue;
+        let [(near, w_near), (far, w_far)] = self.across[D - 1].of(v, cell[D - 1]);
+        // A weight of zero has no row of its own.
+        let far = if w_far == 0.0 { near } else { far };
+        let mut from = [0; D];
+        let mut start = |plane: isize, row: isize| {
+            from[1] = wrapped(1, row);
+            from[D - 1] = wrapped(D - 1, plane);
+            self.coarse.slot(from) - 1
+        };
+        if D == 2 {
+            combine([(start(near, near), w_near), (start(far, far), w_far)], coarse, &mut row[..m[0] + 2]);
+            return;
+        }
+        let [(own, w_own), (beside, w_beside)] = self.across[1].of(j, cell[1]);
+        let beside = if w_beside == 0.0 { own } else { beside };
+        let rows = [
+            (start(near, own), w_near * w_own),
+            (start(near, beside), w_near * w_beside),
+            (start(far, own), w_far * w_own),
+            (start(far, beside), w_far * w_beside),
+        ];
+        combine(rows, coarse, &mut row[..m[0] + 2]);
+    }
+}
+
+/// row = Σ weight · (as many entries of `from` from a start on).
+#[inline(always)]
+fn combine<T: Real, const K: usize>(sources: [(usize, f64); K], from: &[T], row: &mut [T]) {
+    let rows = sources.map(
+        #[inline(always)]
+        |(start, _)| from[start..start + row.len()].as_chunks::<BLOCK>(),
+    );
+    let weights = sources.map(
+        #[inline(always)]
+        |(_, w)| T::of(w),
+    );
+    let (row, rest) = row.as_chunks_mut::<BLOCK>();
+    for (i, row) in row.iter_mut().enumerate() {
+        let mut sum = [T::ZERO; BLOCK];
+        for s in 0..K {
+            let from = &rows[s].0[i];
+            for k in 0..BLOCK {
+                sum[k] += weights[s] * from[k];
             }
-            let mut from = [0; D];
-            from[D - 1] = wrapped(D - 1, k);
-            if D == 2 {
-                add(self.coarse.slot(from), wz);
-                continue;
-            }
-            for (i, wy) in self.across[1].of(j, cell[1]) {
-                if wy != 0.0 {
-                    from[1] = wrapped(1, i);
-                    add(self.coarse.slot(from), wz * wy);
-                }
-            }
+        }
+        *row = sum;
+    }
+    for (i, v) in rest.iter_mut().enumerate() {
+        *v = T::ZERO;
+        for s in 0..K {
+            *v += weights[s] * rows[s].1[i];
         }
     }
 }

@@ -4,10 +4,10 @@
 
 use std::ops::Range;
 
-use cf_grid::Real;
+use cf_grid::{Real, inlined};
 
-use super::rows::{half, padded, seal, split};
-use super::tile::{Ring, each_slab, slabs, strip};
+use super::rows::{Sums, half, measure, padded, seal, split};
+use super::tile::{Ring, aligned, each_slab, slabs, strip};
 use super::{Fused, Scratch, around, parity};
 
 /// Half planes of the rings: b black (2), x red (3), x black (3).
@@ -29,9 +29,18 @@ impl<T: Real, const D: usize> Fused<T, D> {
         let parts = slabs(planes, self.fine.count()).min(scratch.len());
         let mut no_sums = vec![(); planes];
         let own = &mut coarse[plane..(planes + 1) * plane];
-        each_slab(0..planes, parts, plane, own, &mut no_sums, scratch, &|planes, out, _, scratch| {
-            self.descend_slab(b, scale, planes, out, scratch);
-        });
+        each_slab(
+            0..planes,
+            parts,
+            plane,
+            own,
+            &mut no_sums,
+            scratch,
+            #[inline(always)]
+            |planes, out, _, scratch| {
+                self.descend_slab(b, scale, planes, out, scratch);
+            },
+        );
     }
 
     #[inline(always)]
@@ -73,40 +82,48 @@ impl<T: Real, const D: usize> Fused<T, D> {
         // The first row that the rings hold.
         let base = ra - 2 * halo;
         let count = (rb + 2 * halo - base) as usize;
-        let mut rest = &mut scratch[..];
+        let mut rest = aligned(scratch);
         let mut b_black = Ring::cut(&mut rest, 2, count, padded);
         let mut red = Ring::cut(&mut rest, 3, count, padded);
         let mut black = Ring::cut(&mut rest, 3, count, padded);
-        let (other, rest) = rest.split_at_mut(padded);
-        let (residual, rest) = rest.split_at_mut(padded);
-        let coarse = &mut rest[..m];
+        let mut residual = Ring::cut(&mut rest, 1, 1, padded);
+        let residual = residual.row_mut(0, 0);
+        let mut coarse = Ring::cut(&mut rest, 1, 1, padded);
+        let coarse = coarse.row_mut(0, 0);
+        let halo = halo as usize;
+        // Each stage in a loop of its own: the fewer streams at a time, the better are they fetched ahead.
         for v in za - 2..zb + 2 {
             for r in 0..count {
                 let (j, s) = (base + r as isize, parity(v, base + r as isize));
+                let Some(cell) = place.cell(v, j) else { continue };
+                let at = self.fine.slot(cell);
+                let (r_row, b_row) = (red.row_mut(v, r), b_black.row_mut(v, r));
+                let (even, odd) = if s == 0 { (r_row, b_row) } else { (b_row, r_row) };
+                split(&b[at..at + n], scale, even, odd);
+            }
+            for r in 0..count {
+                let (j, s) = (base + r as isize, parity(v, base + r as isize));
+                let row = red.row_mut(v, r);
                 let Some(cell) = place.cell(v, j) else {
-                    red.row_mut(v, r).fill(T::ZERO);
+                    row.fill(T::ZERO);
                     continue;
                 };
-                let at = self.fine.slot(cell);
-                let (even, odd) =
-                    if s == 0 { (&mut *other, b_black.row_mut(v, r)) } else { (b_black.row_mut(v, r), &mut *other) };
-                split(&b[at..at + n], scale, even, odd);
-                let row = red.row_mut(v, r);
-                self.table.row(cell).divide(n, s, other, row);
+                self.table.row(cell, s).divide_in_place(row);
                 seal(row, half(n, s), self.periodic[0]);
             }
             let v = v - 1;
             if v < za - 1 {
                 continue;
             }
-            for r in halo as usize..count - halo as usize {
+            for r in halo..count - halo {
                 let (j, q) = (base + r as isize, 1 - parity(v, base + r as isize));
                 let row = black.row_mut(v, r);
                 let Some(cell) = place.cell(v, j) else {
                     row.fill(T::ZERO);
                     continue;
                 };
-                self.table.row(cell).gather::<true>(n, q, b_black.row(v, r), &around(&red, v, r), row);
+                let (op, near) = (self.table.row(cell, q), around(&red, v, r));
+                op.relax::<{ measure::NONE }>(q, b_black.row(v, r), &near, row, &mut Sums::default());
                 seal(row, half(n, q), self.periodic[0]);
             }
             let v = v - 1;
@@ -116,10 +133,10 @@ impl<T: Real, const D: usize> Fused<T, D> {
             for j in ra..rb {
                 let (r, q) = ((j - base) as usize, parity(v, j));
                 let Some(cell) = place.cell(v, j) else { continue };
-                self.table.row(cell).gather::<false>(n, q, other, &around(&black, v, r), residual);
+                self.table.row(cell, q).gather(q, &around(&black, v, r), residual);
                 seal(residual, half(n, q), self.periodic[0]);
                 self.along.restrict(q, residual, coarse);
-                self.give(cell, [v, j], &planes, &rows, coarse, out);
+                self.give(cell, [v, j], &planes, &rows, &coarse[1..1 + m], out);
             }
         }
     }
@@ -139,12 +156,15 @@ impl<T: Real, const D: usize> Fused<T, D> {
         for (k, wz) in self.across[D - 1].of(v, cell[D - 1]) {
             let Some(k) = inside(k, planes).filter(|_| wz != 0.0) else { continue };
             let start = (k - planes.start) * self.coarse.stride(D - 1) + 1;
-            let mut add = |start: usize, w: f64| {
-                let w = T::of(w);
-                for (out, &v) in out[start..start + row.len()].iter_mut().zip(row) {
-                    *out += w * v;
-                }
-            };
+            let mut add = inlined(
+                #[inline(always)]
+                |start: usize, w: f64| {
+                    let w = T::of(w);
+                    for (out, &v) in out[start..start + row.len()].iter_mut().zip(row) {
+                        *out += w * v;
+                    }
+                },
+            );
             if D == 2 {
                 add(start, wz);
                 continue;

@@ -24,7 +24,7 @@ use cf_grid::{Layout, Real};
 
 use self::rows::{Around, RowTable, padded};
 use self::taps::{Across, Along};
-use self::tile::Ring;
+use self::tile::{Ring, room};
 use crate::axis::Interpolation;
 use crate::stencil::BoxStencil;
 
@@ -51,6 +51,14 @@ pub(crate) struct Products {
     pub xax: f64,
     /// Sum of x.
     pub x: f64,
+}
+
+impl Products {
+    /// Adds what a sweep formed in lanes.
+    fn add(&mut self, sums: &rows::Sums) {
+        let [bx, xax, x] = sums.each_ref().map(|lanes| lanes.iter().sum::<f64>());
+        *self = Self { bx: self.bx + bx, xax: self.xax + xax, x: self.x + x };
+    }
 }
 
 /// The inside of the box as strips and slabs see it: any plane and row number, whether it exists or not.
@@ -118,7 +126,8 @@ impl<T: Real, const D: usize> Fused<T, D> {
     /// Numbers of scratch a thread needs.
     pub fn scratch(&self) -> usize {
         let halves = (self.descend_rows() * descend::HALVES).max(self.ascend_rows() * ascend::HALVES);
-        (halves + 4) * padded(self.fine.cells()[0])
+        // Four rings and two rows.
+        room::<T>(6, halves + 2, padded(self.fine.cells()[0]))
     }
 
     /// Planes a sweep has sums for.
@@ -128,7 +137,7 @@ impl<T: Real, const D: usize> Fused<T, D> {
 
     /// Bytes of tables.
     pub fn bytes(&self) -> usize {
-        8 * self.fine.cells()[0] * size_of::<T>()
+        8 * self.fine.cells()[0] * size_of::<T>() + self.table.bytes()
     }
 
     fn place(&self) -> Place<D> {
@@ -150,12 +159,10 @@ impl<T: Real, const D: usize> Fused<T, D> {
 #[inline(always)]
 fn around<'r, T: Real, const D: usize>(ring: &'r Ring<'_, T>, v: isize, r: usize) -> Around<'r, T, D> {
     let row = ring.row(v, r);
-    let pick = |by: isize| {
-        std::array::from_fn(|a| match a {
-            0 => row,
-            a if a + 1 == D => ring.row(v + by, r),
-            _ => ring.row(v, r.saturating_add_signed(by)),
-        })
-    };
-    Around { row, low: pick(-1), high: pick(1) }
+    let (mut low, mut high) = ([row; D], [row; D]);
+    (low[D - 1], high[D - 1]) = (ring.row(v - 1, r), ring.row(v + 1, r));
+    if D == 3 {
+        (low[1], high[1]) = (ring.row(v, r.wrapping_sub(1)), ring.row(v, r + 1));
+    }
+    Around { row, low, high }
 }

@@ -5,35 +5,40 @@
 //! m + q - 1 and m + q of the other half of the row, and its other neighbours are entry m of the *other* colour in the
 //! neighbour rows, so that every loop here runs over neighbouring numbers and computes nothing in vain.
 
-use cf_grid::{Real, row_sum};
+use cf_grid::{Real, inlined};
+
+use super::tile::Lines;
 
 use crate::axis::AxisTable;
 use crate::stencil::BoxStencil;
 
-/// Coefficients of one row; rows alike share them.
-#[derive(Debug, Clone)]
-pub(crate) struct RowOp<T, const D: usize> {
-    /// Conductances to the neighbour rows, entries 1.. .
+/// Coefficients that all cells of a row share; rows alike share them.
+#[derive(Debug, Clone, Copy)]
+struct Shared<T, const D: usize> {
+    /// Conductances to the neighbour rows, entries 1.. , of a cell of unit width along x.
     low: [T; D],
     high: [T; D],
-    /// Conductance along x.
-    x: T,
+    /// Area of the faces along x.
+    area: T,
     mass: T,
-    inverse: T,
-    /// Mass and wall conductances along axes 1.. .
-    lone: T,
-    /// Cells 0, n - 2, n - 1, and those between.
-    ends: [End<T>; 4],
 }
 
-/// A cell near the end of a row: `scale` is its width against that of the others.
-#[derive(Debug, Clone, Copy)]
-struct End<T> {
-    left: T,
-    right: T,
-    scale: T,
-    inverse: T,
-    lone: T,
+/// What varies along a half row of any kind.
+#[derive(Debug, Clone)]
+struct Varying<T> {
+    /// Conductances of the faces along x per unit area.
+    left: Lines<T>,
+    right: Lines<T>,
+    /// Width of each cell along x.
+    width: Lines<T>,
+}
+
+/// What varies along a half row of one kind.
+#[derive(Debug, Clone)]
+struct Own<T> {
+    inverse: Lines<T>,
+    /// Mass and conductances of walls.
+    lone: Lines<T>,
 }
 
 /// The rows of a level by kind.
@@ -42,7 +47,18 @@ pub(crate) struct RowTable<T, const D: usize> {
     /// Kind of each index along axes 1.. .
     kinds: [Vec<u16>; D],
     count: [usize; D],
-    rows: Vec<RowOp<T, D>>,
+    varying: [Varying<T>; 2],
+    rows: Vec<(Shared<T, D>, [Own<T>; 2])>,
+}
+
+/// The coefficients of a half row.
+pub(crate) struct RowOp<'t, T, const D: usize> {
+    shared: Shared<T, D>,
+    left: &'t [[T; BLOCK]],
+    right: &'t [[T; BLOCK]],
+    width: &'t [[T; BLOCK]],
+    inverse: &'t [[T; BLOCK]],
+    lone: &'t [[T; BLOCK]],
 }
 
 /// The neighbours of the cells of one half row, padded: all of the other colour.
@@ -58,199 +74,301 @@ pub(crate) fn half(n: usize, q: usize) -> usize {
     (n + 1 - q) / 2
 }
 
+/// Numbers that the loops here take at once: whole registers, and no rest, since rows are padded to blocks. Where a row has
+/// no cell its coefficients are zero, and so is every result.
+pub(crate) const BLOCK: usize = 16;
+
+/// Blocks of a half row.
+#[inline(always)]
+fn count(n: usize) -> usize {
+    half(n, 0).div_ceil(BLOCK)
+}
+
 /// Length of the padded storage of a half row.
 pub(crate) fn padded(n: usize) -> usize {
-    n.div_ceil(2) + 2
+    count(n) * BLOCK + 2
+}
+
+/// The blocks of a padded row from entry `first` on.
+#[inline(always)]
+pub(super) fn blocks<T>(row: &[T], first: usize, count: usize) -> &[[T; BLOCK]] {
+    row[first..first + count * BLOCK].as_chunks().0
+}
+
+/// The same, to be written.
+#[inline(always)]
+pub(super) fn blocks_mut<T>(row: &mut [T], first: usize, count: usize) -> &mut [[T; BLOCK]] {
+    row[first..first + count * BLOCK].as_chunks_mut().0
+}
+
+/// A block of what `value` returns for each entry.
+#[inline(always)]
+pub(super) fn block<T: Real>(value: impl Fn(usize) -> T) -> [T; BLOCK] {
+    let mut block = [T::ZERO; BLOCK];
+    for k in 0..BLOCK {
+        block[k] = value(k);
+    }
+    block
 }
 
 /// Sets the rim of a half row of `h` cells: zero, or the cells of the other end.
 #[inline(always)]
 pub(crate) fn seal<T: Real>(row: &mut [T], h: usize, periodic: bool) {
-    row[h + 1..].fill(T::ZERO);
-    row[0] = T::ZERO;
-    if periodic {
-        (row[0], row[h + 1]) = (row[h], row[1]);
-    }
+    (row[0], row[h + 1]) = if periodic { (row[h], row[1]) } else { (T::ZERO, T::ZERO) };
 }
 
 /// Splits a row into its half rows of even and odd cells, times `scale` where the precision changes.
 #[inline(always)]
 pub(crate) fn split<B: Real, T: Real>(b: &[B], scale: f64, even: &mut [T], odd: &mut [T]) {
-    let (he, ho) = (half(b.len(), 0), half(b.len(), 1));
-    let (even, odd) = (&mut even[1..1 + he], &mut odd[1..1 + ho]);
-    let convert = |v: B| if size_of::<B>() == size_of::<T>() { T::of(v.f64()) } else { T::of(v.f64() * scale) };
-    for ((pair, e), o) in b.chunks_exact(2).zip(even.iter_mut()).zip(odd.iter_mut()) {
-        *e = convert(pair[0]);
-        *o = convert(pair[1]);
+    let convert = inlined(
+        #[inline(always)]
+        |v: B| {
+            if size_of::<B>() == size_of::<T>() { T::of(v.f64()) } else { T::of(v.f64() * scale) }
+        },
+    );
+    let (pairs, rest) = b.as_chunks::<{ 2 * BLOCK }>();
+    let (evens, odds) = (blocks_mut(even, 1, pairs.len()), blocks_mut(odd, 1, pairs.len()));
+    for ((pairs, even), odd) in pairs.iter().zip(evens).zip(odds) {
+        *even = block(
+            #[inline(always)]
+            |k| convert(pairs[2 * k]),
+        );
+        *odd = block(
+            #[inline(always)]
+            |k| convert(pairs[2 * k + 1]),
+        );
     }
-    if he > ho {
-        even[he - 1] = convert(b[2 * ho]);
+    let done = 1 + pairs.len() * BLOCK;
+    for (k, &v) in rest.iter().enumerate() {
+        if k % 2 == 0 { even[done + k / 2] = convert(v) } else { odd[done + k / 2] = convert(v) }
     }
 }
 
 /// The row whose half rows are `even` and `odd`.
 #[inline(always)]
 pub(crate) fn join<T: Real>(even: &[T], odd: &[T], row: &mut [T]) {
-    let (he, ho) = (half(row.len(), 0), half(row.len(), 1));
-    let (even, odd) = (&even[1..1 + he], &odd[1..1 + ho]);
-    for ((pair, &e), &o) in row.chunks_exact_mut(2).zip(even).zip(odd) {
-        pair[0] = e;
-        pair[1] = o;
+    let (pairs, rest) = row.as_chunks_mut::<{ 2 * BLOCK }>();
+    let (evens, odds) = (blocks(even, 1, pairs.len()), blocks(odd, 1, pairs.len()));
+    let done = 1 + pairs.len() * BLOCK;
+    for ((pairs, even), odd) in pairs.iter_mut().zip(evens).zip(odds) {
+        let mut both = [T::ZERO; 2 * BLOCK];
+        for k in 0..BLOCK {
+            both[2 * k] = even[k];
+            both[2 * k + 1] = odd[k];
+        }
+        *pairs = both;
     }
-    if he > ho {
-        row[2 * ho] = even[he - 1];
+    for (k, v) in rest.iter_mut().enumerate() {
+        *v = if k % 2 == 0 { even[done + k / 2] } else { odd[done + k / 2] };
     }
 }
 
-/// Cells whose energies are formed at once on the stack.
-const CHUNK: usize = 64;
+/// Sums that are formed in passing, in lanes: of b x, of x A x, and of x.
+pub(crate) type Sums = [[f64; BLOCK]; 3];
 
-impl<T: Real, const D: usize> RowOp<T, D> {
-    fn new(stencil: &BoxStencil<D>, cell: [usize; D]) -> Self {
+/// What of [`Sums`] a sweep of relaxation adds to.
+pub(crate) mod measure {
+    /// Nothing.
+    pub const NONE: u8 = 0;
+    /// Everything for cells whose neighbours are relaxed later: of x A x what belongs to no face between two cells.
+    pub const LONE: u8 = 1;
+    /// Everything for cells whose neighbours are relaxed already.
+    pub const WHOLE: u8 = 2;
+}
+
+impl<T: Real, const D: usize> RowOp<'_, T, D> {
+    /// x = b/diagonal.
+    #[inline(always)]
+    pub fn divide(&self, b: &[T], x: &mut [T]) {
+        let count = self.inverse.len();
+        for ((x, b), w) in blocks_mut(x, 1, count).iter_mut().zip(blocks(b, 1, count)).zip(self.inverse) {
+            *x = block(
+                #[inline(always)]
+                |k| w[k] * b[k],
+            );
+        }
+    }
+
+    /// The same in place.
+    #[inline(always)]
+    pub fn divide_in_place(&self, x: &mut [T]) {
+        for (x, w) in blocks_mut(x, 1, self.inverse.len()).iter_mut().zip(self.inverse) {
+            *x = block(
+                #[inline(always)]
+                |k| w[k] * x[k],
+            );
+        }
+    }
+
+    /// The blocks of the neighbours along x, and of those along the other axes.
+    #[inline(always)]
+    fn near<'r>(&self, q: usize, near: &Around<'r, T, D>) -> Near<'r, T, D> {
+        let count = self.inverse.len();
+        let (mut low, mut high) = ([&[][..]; D], [&[][..]; D]);
+        for a in 1..D {
+            (low[a], high[a]) = (blocks(near.low[a], 1, count), blocks(near.high[a], 1, count));
+        }
+        Near { left: blocks(near.row, q, count), right: blocks(near.row, q + 1, count), low, high }
+    }
+
+    /// Σ w x over the neighbours of block `i`.
+    #[inline(always)]
+    fn sum(&self, i: usize, near: &Near<'_, T, D>) -> [T; BLOCK] {
+        let w = &self.shared;
+        let mut sides = [T::ZERO; BLOCK];
+        for a in 1..D {
+            let (low, high) = (&near.low[a][i], &near.high[a][i]);
+            for k in 0..BLOCK {
+                sides[k] += w.low[a] * low[k] + w.high[a] * high[k];
+            }
+        }
+        let (left, right, wl, wr) = (&near.left[i], &near.right[i], &self.left[i], &self.right[i]);
+        let width = &self.width[i];
+        block(
+            #[inline(always)]
+            |k| width[k] * sides[k] + w.area * (wl[k] * left[k] + wr[k] * right[k]),
+        )
+    }
+
+    /// out = Σ w x over the neighbours; `q` is the parity of the half row.
+    #[inline(always)]
+    pub fn gather(&self, q: usize, near: &Around<'_, T, D>, out: &mut [T]) {
+        let count = self.inverse.len();
+        let near = self.near(q, near);
+        let open = self.width;
+        for (i, out) in blocks_mut(out, 1, count).iter_mut().enumerate() {
+            let (sum, open) = (self.sum(i, &near), &open[i]);
+            // Zero where there is no cell.
+            *out = block(
+                #[inline(always)]
+                |k| if open[k] > T::ZERO { sum[k] } else { T::ZERO },
+            );
+        }
+    }
+
+    /// out = (b + Σ w x)/diagonal: each cell's own equation solved. Adds to `sums` what `MEASURE` says.
+    #[inline(always)]
+    pub fn relax<const MEASURE: u8>(&self, q: usize, b: &[T], near: &Around<'_, T, D>, out: &mut [T], sums: &mut Sums) {
+        let count = self.inverse.len();
+        let near = self.near(q, near);
+        let [mut bx, mut xax, mut total] = *sums;
+        let b = blocks(b, 1, count);
+        for (i, out) in blocks_mut(out, 1, count).iter_mut().enumerate() {
+            let (sum, b, inverse) = (self.sum(i, &near), &b[i], &self.inverse[i]);
+            let x = block(
+                #[inline(always)]
+                |k| inverse[k] * (b[k] + sum[k]),
+            );
+            *out = x;
+            if MEASURE == measure::NONE {
+                continue;
+            }
+            let energy = match MEASURE {
+                measure::LONE => {
+                    let lone = &self.lone[i];
+                    block(
+                        #[inline(always)]
+                        |k| lone[k] * (x[k] * x[k]),
+                    )
+                }
+                _ => self.energy(i, &x, &near),
+            };
+            for k in 0..BLOCK {
+                bx[k] += b[k].f64() * x[k].f64();
+                xax[k] += energy[k].f64();
+                total[k] += x[k].f64();
+            }
+        }
+        *sums = [bx, xax, total];
+    }
+
+    /// mass x² + Σ w (x - neighbour)² of the cells of block `i`.
+    #[inline(always)]
+    fn energy(&self, i: usize, x: &[T; BLOCK], near: &Near<'_, T, D>) -> [T; BLOCK] {
+        let w = &self.shared;
+        let square = inlined(
+            #[inline(always)]
+            |d: T| d * d,
+        );
+        let mut sides = block(
+            #[inline(always)]
+            |k| w.mass * square(x[k]),
+        );
+        for a in 1..D {
+            let (low, high) = (&near.low[a][i], &near.high[a][i]);
+            for k in 0..BLOCK {
+                sides[k] += w.low[a] * square(x[k] - low[k]) + w.high[a] * square(x[k] - high[k]);
+            }
+        }
+        let (left, right, wl, wr) = (&near.left[i], &near.right[i], &self.left[i], &self.right[i]);
+        let width = &self.width[i];
+        block(
+            #[inline(always)]
+            |k| {
+                let along = wl[k] * square(x[k] - left[k]) + wr[k] * square(x[k] - right[k]);
+                width[k] * sides[k] + w.area * along
+            },
+        )
+    }
+}
+
+/// [`Around`] in blocks.
+struct Near<'r, T, const D: usize> {
+    left: &'r [[T; BLOCK]],
+    right: &'r [[T; BLOCK]],
+    low: [&'r [[T; BLOCK]]; D],
+    high: [&'r [[T; BLOCK]]; D],
+}
+
+/// A table of what `value` gives for each cell of parity `q`, zero up to a whole block.
+pub(super) fn table<T: Real>(n: usize, q: usize, value: impl Fn(usize) -> f64) -> Lines<T> {
+    let cells = (q..n).step_by(2).map(value);
+    cells.chain(std::iter::repeat(0.0)).take(count(n) * BLOCK).collect()
+}
+
+/// The blocks of a table.
+#[inline(always)]
+pub(super) fn of<T: Real>(table: &Lines<T>) -> &[[T; BLOCK]] {
+    table.get().as_chunks().0
+}
+
+impl<T: Real> Varying<T> {
+    fn new(axis: &AxisTable, q: usize) -> Self {
+        let n = axis.len();
+        Self {
+            left: table(n, q, |i| axis.face[i]),
+            right: table(n, q, |i| axis.face[i + 1]),
+            width: table(n, q, |i| axis.width[i]),
+        }
+    }
+}
+
+impl<T: Real, const D: usize> Shared<T, D> {
+    /// The coefficients of the row of `cell`, and what varies along its half rows.
+    fn new(stencil: &BoxStencil<D>, cell: [usize; D]) -> (Self, [Own<T>; 2]) {
         let axes = &stencil.axes;
-        let (n, inner) = (axes[0].len(), axes[0].width[0]);
         let width = |a: usize| axes[a].width[cell[a]];
         let area: f64 = (1..D).map(width).product();
-        let cut = |a: usize, i: usize| axes[a].face[i] * inner * (1..D).filter(|&o| o != a).map(width).product::<f64>();
+        let cut = |a: usize, i: usize| axes[a].face[i] * (1..D).filter(|&o| o != a).map(width).product::<f64>();
         let low: [f64; D] = std::array::from_fn(|a| if a == 0 { 0.0 } else { cut(a, cell[a]) });
         let high: [f64; D] = std::array::from_fn(|a| if a == 0 { 0.0 } else { cut(a, cell[a] + 1) });
-        let mass = stencil.alpha * inner * area;
+        let mass = stencil.alpha * area;
         let sides: f64 = low.iter().chain(&high).sum();
-        let walls = |a: usize| {
-            let at = |wall: bool, w: f64| if wall && !axes[a].periodic { w } else { 0.0 };
-            at(cell[a] == 0, low[a]) + at(cell[a] + 1 == axes[a].len(), high[a])
-        };
+        let wall = |a: usize, at: bool, w: f64| if at && !axes[a].periodic { w } else { 0.0 };
+        let walls = |a: usize| wall(a, cell[a] == 0, low[a]) + wall(a, cell[a] + 1 == axes[a].len(), high[a]);
         let lone = mass + (1..D).map(walls).sum::<f64>();
-        let invert = |diagonal: f64| T::of(if diagonal > 0.0 { 1.0 / diagonal } else { 0.0 });
-        let x = axes[0].face.get(1).copied().unwrap_or(0.0) * area;
-        let end = |i: usize| {
-            let scale = axes[0].width[i] / inner;
-            let (left, right) = (axes[0].face[i] * area, axes[0].face[i + 1] * area);
-            let wall = |at: bool, w: f64| if at && !axes[0].periodic { w } else { 0.0 };
-            End {
-                left: T::of(left),
-                right: T::of(right),
-                scale: T::of(scale),
-                inverse: invert(scale * (mass + sides) + left + right),
-                lone: T::of(scale * lone + wall(i == 0, left) + wall(i + 1 == n, right)),
-            }
+        let x = &axes[0];
+        let inverse = |i: usize| {
+            let diagonal = x.width[i] * (mass + sides) + area * (x.face[i] + x.face[i + 1]);
+            if diagonal > 0.0 { 1.0 / diagonal } else { 0.0 }
         };
-        let (x, inverse) = (T::of(x), invert(mass + sides + 2.0 * x));
-        let bulk = End { left: x, right: x, scale: T::ONE, inverse, lone: T::of(lone) };
-        let ends = [end(0), end(n.saturating_sub(2)), end(n - 1), bulk];
-        Self { low: low.map(T::of), high: high.map(T::of), x, mass: T::of(mass), inverse, lone: T::of(lone), ends }
-    }
-
-    #[inline(always)]
-    fn end(&self, i: usize, n: usize) -> &End<T> {
-        let which = match i {
-            0 => 0,
-            i if i + 1 == n => 2,
-            i if i + 2 == n => 1,
-            _ => 3,
+        let lone = |i: usize| {
+            let ends = wall(0, i == 0, x.face[i]) + wall(0, i + 1 == x.len(), x.face[i + 1]);
+            x.width[i] * lone + area * ends
         };
-        &self.ends[which]
+        let own = std::array::from_fn(|q| Own { inverse: table(x.len(), q, inverse), lone: table(x.len(), q, lone) });
+        (Self { low: low.map(T::of), high: high.map(T::of), area: T::of(area), mass: T::of(mass) }, own)
     }
-
-    /// b/diagonal.
-    #[inline(always)]
-    pub fn divide(&self, n: usize, q: usize, b: &[T], out: &mut [T]) {
-        let h = half(n, q);
-        for (out, &b) in out[1..1 + h].iter_mut().zip(&b[1..1 + h]) {
-            *out = self.inverse * b;
-        }
-        for m in ends(h) {
-            out[m + 1] = self.end(2 * m + q, n).inverse * b[m + 1];
-        }
-    }
-
-    /// Σ w x over the neighbours, or with `RELAX` the solution (b + Σ w x)/diagonal of each cell's own equation.
-    #[inline(always)]
-    pub fn gather<const RELAX: bool>(&self, n: usize, q: usize, b: &[T], near: &Around<'_, T, D>, out: &mut [T]) {
-        let h = half(n, q);
-        for m in ends(h) {
-            let end = self.end(2 * m + q, n);
-            let mut sides = T::ZERO;
-            for a in 1..D {
-                sides += self.low[a] * near.low[a][m + 1] + self.high[a] * near.high[a][m + 1];
-            }
-            let sum = end.scale * sides + (end.left * near.row[m + q] + end.right * near.row[m + q + 1]);
-            out[m + 1] = if RELAX { end.inverse * (b[m + 1] + sum) } else { sum };
-        }
-        if h < 3 {
-            return;
-        }
-        let k = h - 2;
-        let (left, right) = (&near.row[q + 1..q + 1 + k], &near.row[q + 2..q + 2 + k]);
-        let low: [&[T]; D] = std::array::from_fn(|a| &near.low[a][2..2 + k]);
-        let high: [&[T]; D] = std::array::from_fn(|a| &near.high[a][2..2 + k]);
-        let (b, out) = (&b[2..2 + k], &mut out[2..2 + k]);
-        for m in 0..k {
-            let mut sum = self.x * (left[m] + right[m]);
-            for a in 1..D {
-                sum += self.low[a] * low[a][m] + self.high[a] * high[a][m];
-            }
-            out[m] = if RELAX { self.inverse * (b[m] + sum) } else { sum };
-        }
-    }
-
-    /// Σ over the cells of mass x² + Σ w (x - neighbour)².
-    #[inline(always)]
-    pub fn energy(&self, n: usize, q: usize, x: &[T], near: &Around<'_, T, D>) -> f64 {
-        let h = half(n, q);
-        let square = |d: T| d * d;
-        let mut total = 0.0;
-        for m in ends(h) {
-            let end = self.end(2 * m + q, n);
-            let v = x[m + 1];
-            let mut sides = self.mass * square(v);
-            for a in 1..D {
-                sides += self.low[a] * square(v - near.low[a][m + 1]) + self.high[a] * square(v - near.high[a][m + 1]);
-            }
-            let along = end.left * square(v - near.row[m + q]) + end.right * square(v - near.row[m + q + 1]);
-            total += (end.scale * sides + along).f64();
-        }
-        let mut from = 1;
-        let mut energies = [T::ZERO; CHUNK];
-        while from + 1 < h {
-            let k = CHUNK.min(h - 1 - from);
-            let at = from + 1;
-            let (left, right) = (&near.row[from + q..from + q + k], &near.row[at + q..at + q + k]);
-            let low: [&[T]; D] = std::array::from_fn(|a| &near.low[a][at..at + k]);
-            let high: [&[T]; D] = std::array::from_fn(|a| &near.high[a][at..at + k]);
-            let (x, energies) = (&x[at..at + k], &mut energies[..k]);
-            for m in 0..k {
-                let v = x[m];
-                let mut sum = self.mass * square(v) + self.x * (square(v - left[m]) + square(v - right[m]));
-                for a in 1..D {
-                    sum += self.low[a] * square(v - low[a][m]) + self.high[a] * square(v - high[a][m]);
-                }
-                energies[m] = sum;
-            }
-            total += row_sum(energies);
-            from += k;
-        }
-        total
-    }
-
-    /// Σ over the cells of (mass + conductances of walls) x²: what [`energy`](Self::energy) of the other colour leaves.
-    #[inline(always)]
-    pub fn lone_energy(&self, n: usize, q: usize, x: &[T]) -> f64 {
-        let h = half(n, q);
-        let end = |m: usize| (self.end(2 * m + q, n).lone * x[m + 1] * x[m + 1]).f64();
-        let mut total: f64 = ends(h).map(end).sum();
-        if h > 2 && self.lone > T::ZERO {
-            let x = &x[2..h];
-            total += self.lone.f64() * cf_grid::row_dot(x, x);
-        }
-        total
-    }
-}
-
-/// First and last cell of a half row.
-#[inline(always)]
-fn ends(h: usize) -> impl Iterator<Item = usize> {
-    (0..h.min(1)).chain(h.max(2) - 1..h)
 }
 
 impl<T: Real, const D: usize> RowTable<T, D> {
@@ -282,21 +400,37 @@ impl<T: Real, const D: usize> RowTable<T, D> {
                     code /= count[a];
                     i
                 });
-                RowOp::new(stencil, cell)
+                Shared::new(stencil, cell)
             })
             .collect();
-        Self { kinds, count, rows }
+        let varying = std::array::from_fn(|q| Varying::new(&stencil.axes[0], q));
+        Self { kinds, count, varying, rows }
     }
 
-    /// The coefficients of a row, by any of its cells.
+    /// The coefficients of the half row of parity `q` of the row that a cell is in.
     #[inline(always)]
-    pub fn row(&self, cell: [usize; D]) -> &RowOp<T, D> {
+    pub fn row(&self, cell: [usize; D], q: usize) -> RowOp<'_, T, D> {
         let (mut code, mut stride) = (0, 1);
         for a in 1..D {
             code += stride * usize::from(self.kinds[a][cell[a]]);
             stride *= self.count[a];
         }
-        &self.rows[code]
+        let (varying, (shared, own)) = (&self.varying[q], &self.rows[code]);
+        RowOp {
+            shared: *shared,
+            left: of(&varying.left),
+            right: of(&varying.right),
+            width: of(&varying.width),
+            inverse: of(&own[q].inverse),
+            lone: of(&own[q].lone),
+        }
+    }
+
+    /// Bytes of all tables.
+    pub fn bytes(&self) -> usize {
+        let varying: usize = self.varying.iter().map(|v| v.left.bytes() + v.right.bytes() + v.width.bytes()).sum();
+        let own: usize = self.rows.iter().flat_map(|r| &r.1).map(|o| o.inverse.bytes() + o.lone.bytes()).sum();
+        varying + own + self.rows.len() * size_of::<Shared<T, D>>()
     }
 }
 

@@ -2,57 +2,65 @@
 
 use cf_grid::Real;
 
+use super::rows::{block, blocks, blocks_mut, of, table};
+use super::tile::Lines;
 use crate::axis::Interpolation;
 
 /// Linear interpolation along x for half rows of parity q.
 #[derive(Debug, Clone)]
 pub(crate) struct Along<T> {
     /// P: fine cell m = `own`\[q\]\[m\] · parent m + `beside`\[q\]\[m\] · coarse cell m - 1 (q = 0) or m + 1 (q = 1).
-    own: [Vec<T>; 2],
-    beside: [Vec<T>; 2],
-    /// Pᵀ: coarse cell m takes `kept`\[q\]\[m\] · fine cell m and `given`\[q\]\[m\] · fine cell m + 1 (q = 0) or m - 1 (q = 1).
-    kept: [Vec<T>; 2],
-    given: [Vec<T>; 2],
+    own: [Lines<T>; 2],
+    beside: [Lines<T>; 2],
+    /// Pᵀ: coarse cell m takes `own`\[q\]\[m\] · fine cell m and `given`\[q\]\[m\] · fine cell m + 1 (q = 0) or m - 1 (q = 1).
+    given: [Lines<T>; 2],
 }
 
 impl<T: Real> Along<T> {
     pub fn new(p: &Interpolation, periodic: bool) -> Self {
         let n = p.own.len();
-        let m = n.div_ceil(2);
-        let at = |v: &[f64], i: isize| {
-            let wrapped = i.rem_euclid(n as isize);
-            if i == wrapped || periodic { v[wrapped as usize] } else { 0.0 }
+        // The weight that the fine cell two away has for the coarse cell beside its own.
+        let given = |i: usize, step: isize| {
+            let far = i as isize + step;
+            let wrapped = far.rem_euclid(n as isize);
+            if far == wrapped || periodic { p.other[wrapped as usize] } else { 0.0 }
         };
-        let table = |v: &[f64], shift: [isize; 2]| -> [Vec<T>; 2] {
-            std::array::from_fn(|q| (0..m).map(|c| T::of(at(v, 2 * c as isize + q as isize + shift[q]))).collect())
-        };
+        // Coarse cell m may have no second child, but then has one to give to it from the first cell of the next.
+        let length = n.next_multiple_of(2);
         Self {
-            own: table(&p.own, [0, 0]),
-            beside: table(&p.other, [0, 0]),
-            kept: table(&p.own, [0, 0]),
-            given: table(&p.other, [2, -2]),
+            own: std::array::from_fn(|q| table(n, q, |i| p.own[i])),
+            beside: std::array::from_fn(|q| table(n, q, |i| p.other[i])),
+            given: std::array::from_fn(|q| table(length, q, |i| given(i, [2, -2][q]))),
         }
     }
 
     /// fine += P coarse, on the cells of parity `q`; both padded.
     #[inline(always)]
-    pub fn prolong_add(&self, q: usize, h: usize, coarse: &[T], fine: &mut [T]) {
-        let side = if q == 0 { &coarse[..h] } else { &coarse[2..2 + h] };
-        let (fine, parent) = (&mut fine[1..1 + h], &coarse[1..1 + h]);
-        let (own, beside) = (&self.own[q][..h], &self.beside[q][..h]);
-        for m in 0..h {
-            fine[m] += own[m] * parent[m] + beside[m] * side[m];
+    pub fn prolong_add(&self, q: usize, coarse: &[T], fine: &mut [T]) {
+        let (own, beside) = (of(&self.own[q]), of(&self.beside[q]));
+        let count = own.len();
+        let (parent, side) = (blocks(coarse, 1, count), blocks(coarse, 2 * q, count));
+        for (i, fine) in blocks_mut(fine, 1, count).iter_mut().enumerate() {
+            let (own, beside, parent, side) = (&own[i], &beside[i], &parent[i], &side[i]);
+            *fine = block(
+                #[inline(always)]
+                |k| fine[k] + (own[k] * parent[k] + beside[k] * side[k]),
+            );
         }
     }
 
-    /// coarse = Pᵀ fine, from a padded half row of parity `q` whose rim beyond its cells is zero or wrapped.
+    /// coarse = Pᵀ fine, from a half row of parity `q` whose rim beyond its cells is zero or wrapped; both padded.
     #[inline(always)]
     pub fn restrict(&self, q: usize, fine: &[T], coarse: &mut [T]) {
-        let m = coarse.len();
-        let side = if q == 0 { &fine[2..2 + m] } else { &fine[..m] };
-        let (kept, given, fine) = (&self.kept[q][..m], &self.given[q][..m], &fine[1..1 + m]);
-        for c in 0..m {
-            coarse[c] = kept[c] * fine[c] + given[c] * side[c];
+        let (own, given) = (of(&self.own[q]), of(&self.given[q]));
+        let count = own.len();
+        let (child, side) = (blocks(fine, 1, count), blocks(fine, 2 - 2 * q, count));
+        for (i, coarse) in blocks_mut(coarse, 1, count).iter_mut().enumerate() {
+            let (own, given, child, side) = (&own[i], &given[i], &child[i], &side[i]);
+            *coarse = block(
+                #[inline(always)]
+                |k| own[k] * child[k] + given[k] * side[k],
+            );
         }
     }
 }

@@ -7,10 +7,10 @@
 
 use std::ops::Range;
 
-use cf_grid::Real;
+use cf_grid::{Real, vectorised};
 
 /// Bytes of a core's L2 cache that the rings of a strip may fill.
-const CACHE: usize = 384 << 10;
+const CACHE: usize = 512 << 10;
 /// Cells below which a sweep is not worth a second thread.
 const SMALL: usize = 1 << 14;
 /// Fewest planes of a slab.
@@ -22,10 +22,26 @@ pub(crate) fn slabs(planes: usize, cells: usize) -> usize {
     if threads == 1 || cells < SMALL { 1 } else { (2 * threads).min(planes / THIN).max(1) }
 }
 
+/// Numbers in a cache line.
+const fn line<T>() -> usize {
+    64 / size_of::<T>()
+}
+
+/// Distance of rows of `padded` numbers whose entries 1, the first cells, all begin a cache line. The entry before them
+/// ends the line before.
+fn pitch<T>(padded: usize) -> usize {
+    (padded - 1).next_multiple_of(line::<T>()) + line::<T>()
+}
+
 /// Rows of a strip (even) whose rings of `halves` half planes with `halo` more rows on either side fit the cache.
 pub(crate) fn strip<T>(padded: usize, halves: usize, halo: usize) -> usize {
-    let rows = CACHE / (halves * padded * size_of::<T>());
+    let rows = CACHE / (halves * pitch::<T>(padded) * size_of::<T>());
     (rows.saturating_sub(2 * halo) / 2 * 2).max(8)
+}
+
+/// Numbers of scratch from which [`Ring::cut`] cuts `rings` rings of `rows` rows together.
+pub(crate) fn room<T>(rings: usize, rows: usize, padded: usize) -> usize {
+    rows * pitch::<T>(padded) + (rings + 1) * line::<T>()
 }
 
 /// Calls `body(planes, out, sums, scratch)` for `parts` slabs of `planes` in parallel. `out` holds `plane` slots and
@@ -37,11 +53,26 @@ pub(crate) fn each_slab<T: Send, P: Send, S: Send>(
     out: &mut [T],
     sums: &mut [P],
     scratch: &mut [S],
+    body: impl Fn(Range<usize>, &mut [T], &mut [P], &mut S) + Sync,
+) {
+    halve(planes, parts, plane, out, sums, scratch, &body);
+}
+
+fn halve<T: Send, P: Send, S: Send>(
+    planes: Range<usize>,
+    parts: usize,
+    plane: usize,
+    out: &mut [T],
+    sums: &mut [P],
+    scratch: &mut [S],
     body: &(impl Fn(Range<usize>, &mut [T], &mut [P], &mut S) + Sync),
 ) {
     if parts <= 1 {
         if let Some(scratch) = scratch.first_mut() {
-            pulp::Arch::new().dispatch(|| body(planes, out, sums, scratch));
+            vectorised(
+                #[inline(always)]
+                || body(planes, out, sums, scratch),
+            );
         }
         return;
     }
@@ -52,9 +83,41 @@ pub(crate) fn each_slab<T: Send, P: Send, S: Send>(
     let (scratch_low, scratch_high) = scratch.split_at_mut(left);
     let middle = planes.start + cut;
     rayon::join(
-        || each_slab(planes.start..middle, left, plane, out_low, sums_low, scratch_low, body),
-        || each_slab(middle..planes.end, parts - left, plane, out_high, sums_high, scratch_high, body),
+        || halve(planes.start..middle, left, plane, out_low, sums_low, scratch_low, body),
+        || halve(middle..planes.end, parts - left, plane, out_high, sums_high, scratch_high, body),
     );
+}
+
+/// The part of `scratch` that begins with a cache line.
+pub(crate) fn aligned<T>(scratch: &mut [T]) -> &mut [T] {
+    let offset = scratch.as_ptr().align_offset(64).min(line::<T>() - 1);
+    &mut scratch[offset..]
+}
+
+/// A table that begins a cache line.
+#[derive(Debug, Clone)]
+pub(crate) struct Lines<T>(Vec<T>, usize);
+
+impl<T: Real> FromIterator<f64> for Lines<T> {
+    fn from_iter<I: IntoIterator<Item = f64>>(values: I) -> Self {
+        let values = values.into_iter();
+        let mut data: Vec<T> = Vec::with_capacity(values.size_hint().1.unwrap_or(0) + line::<T>());
+        let offset = data.as_ptr().align_offset(64).min(line::<T>() - 1);
+        data.resize(offset, T::ZERO);
+        data.extend(values.map(T::of));
+        Self(data, offset)
+    }
+}
+
+impl<T> Lines<T> {
+    #[inline(always)]
+    pub fn get(&self) -> &[T] {
+        &self.0[self.1..]
+    }
+
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.get())
+    }
 }
 
 /// The last planes of half rows of one colour, `rows` rows of `padded` numbers each.
@@ -63,21 +126,23 @@ pub(crate) struct Ring<'s, T> {
     planes: usize,
     rows: usize,
     padded: usize,
+    pitch: usize,
 }
 
 impl<'s, T: Real> Ring<'s, T> {
-    /// Cut off the front of `scratch`.
+    /// Cut off the front of an [`aligned`] `scratch`.
     #[inline(always)]
     pub fn cut(scratch: &mut &'s mut [T], planes: usize, rows: usize, padded: usize) -> Self {
-        let (data, rest) = std::mem::take(scratch).split_at_mut(planes * rows * padded);
+        let pitch = pitch::<T>(padded);
+        let (data, rest) = std::mem::take(scratch).split_at_mut(planes * rows * pitch + line::<T>());
         *scratch = rest;
-        Self { data, planes, rows, padded }
+        Self { data, planes, rows, padded, pitch }
     }
 
     #[inline(always)]
     fn start(&self, plane: isize, row: usize) -> usize {
         let plane = plane.rem_euclid(self.planes as isize) as usize;
-        (plane * self.rows + row) * self.padded
+        (plane * self.rows + row) * self.pitch + line::<T>() - 1
     }
 
     /// Row `row` of plane `plane`, any number.

@@ -125,6 +125,18 @@ impl<const D: usize> Layout<D> {
         total
     }
 
+    /// Sets the rim to zero.
+    pub fn clear_rim<T: Copy + Default>(&self, x: &mut [T]) {
+        for axis in 0..D {
+            let stride = self.stride(axis);
+            let block = stride * (self.cells()[axis] + 2);
+            for part in x.chunks_exact_mut(block) {
+                part[..stride].fill(T::default());
+                part[block - stride..].fill(T::default());
+            }
+        }
+    }
+
     /// Copies the cells of the opposite side into the rim along `axis`, so that neighbours of a periodic axis can be
     /// read there.
     pub fn wrap_rim<T: Copy>(&self, axis: usize, x: &mut [T]) {
@@ -190,6 +202,15 @@ mod tests {
         check([40, 30, 50]);
         check([3, 5, 7]);
         check([64, 64, 2]);
+    }
+
+    #[test]
+    fn the_rim_is_cleared_and_nothing_else() {
+        let layout = Layout::new([3, 2, 4]).unwrap();
+        let mut x = CellField::<f64>::new(&layout);
+        x.fill(1.0);
+        layout.clear_rim(&mut x);
+        assert_eq!((x.iter().sum::<f64>(), layout.sum(&x)), (24.0, 24.0));
     }
 
     #[test]

@@ -35,7 +35,7 @@ impl<T: Real> Vectors<T> {
 const MEAN_LEFT: f64 = 1e-3;
 
 /// Runs from residual `v.r` (norms `start`) and solution `x` until `done` accepts the norms, or `limit` iterations are
-/// made. Returns the iterations. `z` holds M r in the precision of M.
+/// made. A `fresh` x may hold anything and counts as zero. Returns the iterations. `z` holds M r in the precision of M.
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn iterate<T: Real, Z: Real, const D: usize>(
     operator: &LevelOperator<T, D>,
@@ -43,6 +43,7 @@ pub(crate) fn iterate<T: Real, Z: Real, const D: usize>(
     deflation: &Deflation,
     alpha: f64,
     x: &mut [T],
+    fresh: bool,
     v: &mut Vectors<T>,
     z: &mut [Z],
     start: Norms,
@@ -72,7 +73,7 @@ pub(crate) fn iterate<T: Real, Z: Real, const D: usize>(
         }
         let step = rho / curvature;
         let factors = [unit, mean, beta, step];
-        let solution = advance(&layout, deflation, z, factors, last.is_none(), &mut v.p, x);
+        let solution = advance(&layout, deflation, z, factors, [last.is_none(), fresh && last.is_none()], &mut v.p, x);
         last = Some((rho, curvature));
         let step = T::of(step);
         let (square, sum, largest) = operator.sweep(
@@ -98,13 +99,14 @@ pub(crate) fn iterate<T: Real, Z: Real, const D: usize>(
     limit
 }
 
-/// p = unit z - mean + beta p, x += step p; returns max|x|. `first`: the old p may hold anything.
+/// p = unit z - mean + beta p, x += step p; returns max|x|. The old p and the old x of
+/// the first iteration may hold anything.
 fn advance<T: Real, Z: Real, const D: usize>(
     layout: &Layout<D>,
     deflation: &Deflation,
     z: &[Z],
     [unit, mean, beta, step]: [f64; 4],
-    first: bool,
+    [first, fresh]: [bool; 2],
     p: &mut [T],
     x: &mut [T],
 ) -> f64 {
@@ -118,6 +120,10 @@ fn advance<T: Real, Z: Real, const D: usize>(
             let z = if same { z - mean } else { unit * z - mean };
             if first { z } else { z + beta * p }
         },
+    );
+    let go = inlined(
+        #[inline(always)]
+        move |p: T, x: T| if fresh { step * p } else { x + step * p },
     );
     let largest = if let (false, Deflation::Components(_)) = (same, deflation) {
         // What single precision left of the constants would stay in x.
@@ -139,7 +145,7 @@ fn advance<T: Real, Z: Real, const D: usize>(
             #[inline(always)]
             |run, x: &mut [T]| {
                 for (x, &p) in x.iter_mut().zip(run.row(p)) {
-                    *x += step * p;
+                    *x = go(p, *x);
                 }
                 Max(row_largest(x))
             },
@@ -162,14 +168,14 @@ fn advance<T: Real, Z: Real, const D: usize>(
                     );
                     let there: [T; BLOCK] = array(
                         #[inline(always)]
-                        |k| at[k] + step * new[k],
+                        |k| go(new[k], at[k]),
                     );
                     (*p, *x) = (new, there);
                     largest.take(&there);
                 }
                 for ((&z, p), x) in last_z.iter().zip(last_p).zip(&mut *last_x) {
                     *p = turn(z, *p);
-                    *x += step * *p;
+                    *x = go(*p, *x);
                 }
                 Max(largest.end(last_x))
             },

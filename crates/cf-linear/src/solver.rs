@@ -234,7 +234,7 @@ impl<T: Real, const D: usize> Solver<T, D> {
 
     fn finish_checked(&self, y: &mut [T], deviation: &Deviation) -> Result<(), SolveError> {
         let constant = deviation.constants.iter().fold(0f64, |m, c| m.max(c.abs()));
-        let bound = T::of(largest(&self.layout, y) * deviation.factor + constant);
+        let bound = T::of(deviation.size * deviation.factor + constant);
         if !bound.is_finite() {
             return Err(SolveError::NotFinite { what: "solution", iterations: deviation.statistics.iterations });
         }
@@ -267,7 +267,7 @@ impl<T: Real, const D: usize> Solver<T, D> {
         if tolerance.is_nan() || tolerance < 0.0 {
             return Err(SolveError::Coefficient { name: "tolerance", value: tolerance });
         }
-        y.fill(T::ZERO);
+        layout.clear_rim(y);
         let mut rhs = Rhs::new(&layout, b, self.fluid.as_deref()).ok_or(NOT_FINITE_RHS)?;
         let start = rhs.load_deflated(&layout, &self.deflation, &mut self.vectors.r);
         let unit = rhs.unit;
@@ -290,14 +290,19 @@ impl<T: Real, const D: usize> Solver<T, D> {
         };
         let v = &mut self.vectors;
         let (iterations, reached) = if task.met(start) || task.at_floor(start) {
+            layout.par_cells(y, |_| T::ZERO);
             (0, start)
         } else {
             match self.choice.plan {
                 Plan::Diagonal => task.diagonal(self.engine.operator(), y, v),
-                Plan::Chebyshev => task.chebyshev(self.engine.operator(), y, v, start),
+                Plan::Chebyshev => {
+                    layout.par_cells(y, |_| T::ZERO);
+                    task.chebyshev(self.engine.operator(), y, v, start)
+                }
                 Plan::Multigrid => task.conjugate_gradients(&mut self.engine, y, v, start),
             }
         };
+
         if !(reached.two.is_finite() && reached.solution.is_finite()) {
             return Err(SolveError::NotFinite { what: "residual", iterations });
         }
@@ -313,7 +318,7 @@ impl<T: Real, const D: usize> Solver<T, D> {
             largest: reached.largest * unit,
             at_floor,
         };
-        Ok(Deviation { factor: unit / self.scale, constants, removed, statistics })
+        Ok(Deviation { factor: unit / self.scale, constants, removed, statistics, size: reached.solution })
     }
 }
 

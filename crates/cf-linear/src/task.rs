@@ -7,7 +7,7 @@ use crate::deflate::Deflation;
 use crate::engine::Engine;
 use crate::level::LevelOperator;
 use crate::multigrid::Cycle;
-use crate::norms::{Norms, largest, norms, residual_norms, row_largest};
+use crate::norms::{Norms, norms, residual_norms, row_largest};
 use crate::pcg::{self, Vectors};
 
 /// When a solve is done, in the units of the caller.
@@ -45,13 +45,26 @@ pub(crate) struct Rhs<'a, T> {
     pub unit: f64,
     /// Means of the scaled right-hand side, by component.
     pub means: Vec<f64>,
+    /// Sum of b, where it is known and finite.
+    sum: Option<f64>,
 }
 
 impl<'a, T: Real> Rhs<'a, T> {
     /// Chooses the unit; `None` if a value is not finite.
     pub fn new<const D: usize>(layout: &Layout<D>, b: &'a [T], fluid: Option<&'a [bool]>) -> Option<Self> {
-        let largest = match fluid {
-            None => largest(layout, b),
+        let (sum, largest) = match fluid {
+            None => {
+                let (sum, largest): (f64, Max) = layout.par_runs(
+                    layout.cells_region(),
+                    (),
+                    #[inline(always)]
+                    |run, ()| {
+                        let (_, sum, largest) = residual_norms(run.row(b));
+                        (sum, largest)
+                    },
+                );
+                (Some(sum).filter(|s| s.is_finite()), largest.0)
+            }
             Some(fluid) => {
                 let largest: Max = layout.par_runs(
                     layout.cells_region(),
@@ -62,10 +75,10 @@ impl<'a, T: Real> Rhs<'a, T> {
                         values.fold(Max(0.0), |m, (v, _)| cf_grid::Reduce::merge(m, Max(v.f64().abs())))
                     },
                 );
-                largest.0
+                (None, largest.0)
             }
         };
-        largest.is_finite().then(|| Self { b, fluid, unit: unit_of(largest), means: Vec::new() })
+        largest.is_finite().then(|| Self { b, fluid, unit: unit_of(largest), means: Vec::new(), sum })
     }
 
     /// Writes a row of it; the mean of a whole box is left out, rounded once.
@@ -107,11 +120,16 @@ impl<'a, T: Real> Rhs<'a, T> {
             Deflation::None => self.load(layout, deflation, r),
             Deflation::Whole => {
                 let inverse = 1.0 / self.unit;
-                let sum: f64 = layout.par_runs(
-                    layout.cells_region(),
-                    (),
-                    #[inline(always)]
-                    |run, ()| scaled_sum(run.row(self.b), inverse),
+                let sum = self.sum.map_or_else(
+                    || {
+                        layout.par_runs(
+                            layout.cells_region(),
+                            (),
+                            #[inline(always)]
+                            |run, ()| scaled_sum(run.row(self.b), inverse),
+                        )
+                    },
+                    |sum| sum * inverse,
                 );
                 self.means = vec![sum / layout.count() as f64];
                 let loaded = self.load(layout, deflation, r);
@@ -292,11 +310,16 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
         start: Norms,
     ) -> (usize, Norms) {
         let (mut total, mut reached) = (0, start);
-        for _ in 0..RESTARTS {
+        for restart in 0..RESTARTS {
             let done = |n: Norms| self.met(n) || self.hopeless(n) || !n.two.is_finite();
             let left = self.limit.saturating_sub(total);
             let (alpha, deflation) = (self.alpha, self.deflation);
-            total += pcg::iterate(operator, cycle, deflation, alpha, y, v, z, reached, done, left);
+            let fresh = restart == 0;
+            let made = pcg::iterate(operator, cycle, deflation, alpha, y, fresh, v, z, reached, done, left);
+            if fresh && made == 0 {
+                self.layout.par_cells(y, |_| T::ZERO);
+            }
+            total += made;
             let before = std::mem::replace(&mut reached, self.true_residual(operator, y, v));
             if self.met(reached) || total >= self.limit || !self.halved(before, reached) {
                 break;

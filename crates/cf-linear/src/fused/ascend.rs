@@ -98,9 +98,7 @@ impl<T: Real, const D: usize> Fused<T, D> {
                 let (j, s) = (base + r as isize, parity(v, base + r as isize));
                 let Some(cell) = place.cell(v, j) else { continue };
                 let at = self.fine.slot(cell);
-                let (r_row, b_row) = (b_red.row_mut(v, r), b_black.row_mut(v, r));
-                let (even, odd) = if s == 0 { (r_row, b_row) } else { (b_row, r_row) };
-                split(&b[at..at + n], scale, even, odd);
+                split(&b[at..at + n], scale, s, b_red.row_mut(v, r), b_black.row_mut(v, r));
             }
             for r in 0..count {
                 let (j, s) = (base + r as isize, parity(v, base + r as isize));
@@ -109,9 +107,8 @@ impl<T: Real, const D: usize> Fused<T, D> {
                     row.fill(T::ZERO);
                     continue;
                 };
-                self.table.row(cell, s).divide(b_red.row(v, r), row);
                 self.take(cell, [v, j], coarse, parent);
-                self.along.prolong_add(s, parent, row);
+                self.table.row(cell, s).divide_and_prolong(s, b_red.row(v, r), &self.along, parent, row);
                 seal(row, half(n, s), self.periodic[0]);
             }
             let v = v - 1;

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use cf_grid::{Real, inlined};
 
-use super::rows::{Sums, half, measure, padded, seal, split};
+use super::rows::{Sums, half, measure, padded, seal};
 use super::tile::{Ring, aligned, each_slab, slabs, strip};
 use super::{Fused, Scratch, around, parity};
 
@@ -95,20 +95,13 @@ impl<T: Real, const D: usize> Fused<T, D> {
         for v in za - 2..zb + 2 {
             for r in 0..count {
                 let (j, s) = (base + r as isize, parity(v, base + r as isize));
-                let Some(cell) = place.cell(v, j) else { continue };
-                let at = self.fine.slot(cell);
-                let (r_row, b_row) = (red.row_mut(v, r), b_black.row_mut(v, r));
-                let (even, odd) = if s == 0 { (r_row, b_row) } else { (b_row, r_row) };
-                split(&b[at..at + n], scale, even, odd);
-            }
-            for r in 0..count {
-                let (j, s) = (base + r as isize, parity(v, base + r as isize));
                 let row = red.row_mut(v, r);
                 let Some(cell) = place.cell(v, j) else {
                     row.fill(T::ZERO);
                     continue;
                 };
-                self.table.row(cell, s).divide_in_place(row);
+                let at = self.fine.slot(cell);
+                self.table.row(cell, s).split_divided(&b[at..at + n], scale, s, row, b_black.row_mut(v, r));
                 seal(row, half(n, s), self.periodic[0]);
             }
             let v = v - 1;

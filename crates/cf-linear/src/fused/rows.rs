@@ -7,6 +7,7 @@
 
 use cf_grid::{Real, inlined};
 
+use super::taps::Along;
 use super::tile::Lines;
 
 use crate::axis::AxisTable;
@@ -117,9 +118,30 @@ pub(crate) fn seal<T: Real>(row: &mut [T], h: usize, periodic: bool) {
     (row[0], row[h + 1]) = if periodic { (row[h], row[1]) } else { (T::ZERO, T::ZERO) };
 }
 
-/// Splits a row into its half rows of even and odd cells, times `scale` where the precision changes.
+/// Splits a row into its red half row, of parity `q`, and its black one, times `scale` where the precision changes.
 #[inline(always)]
-pub(crate) fn split<B: Real, T: Real>(b: &[B], scale: f64, even: &mut [T], odd: &mut [T]) {
+pub(crate) fn split<B: Real, T: Real>(b: &[B], scale: f64, q: usize, red: &mut [T], black: &mut [T]) {
+    split_with(
+        b,
+        scale,
+        q,
+        red,
+        black,
+        #[inline(always)]
+        |red, _, _| red,
+    );
+}
+
+/// [`split`] with `f` of the red values and their blocks and entries.
+#[inline(always)]
+fn split_with<B: Real, T: Real>(
+    b: &[B],
+    scale: f64,
+    q: usize,
+    red: &mut [T],
+    black: &mut [T],
+    f: impl Fn(T, usize, usize) -> T,
+) {
     let convert = inlined(
         #[inline(always)]
         |v: B| {
@@ -127,20 +149,27 @@ pub(crate) fn split<B: Real, T: Real>(b: &[B], scale: f64, even: &mut [T], odd: 
         },
     );
     let (pairs, rest) = b.as_chunks::<{ 2 * BLOCK }>();
-    let (evens, odds) = (blocks_mut(even, 1, pairs.len()), blocks_mut(odd, 1, pairs.len()));
-    for ((pairs, even), odd) in pairs.iter().zip(evens).zip(odds) {
-        *even = block(
+    let (reds, blacks) = (blocks_mut(red, 1, pairs.len()), blocks_mut(black, 1, pairs.len()));
+    for (i, ((pairs, red), black)) in pairs.iter().zip(reds).zip(blacks).enumerate() {
+        let even: [T; BLOCK] = block(
             #[inline(always)]
             |k| convert(pairs[2 * k]),
         );
-        *odd = block(
+        let odd: [T; BLOCK] = block(
             #[inline(always)]
             |k| convert(pairs[2 * k + 1]),
         );
+        let (own, other) = if q == 0 { (even, odd) } else { (odd, even) };
+        *red = block(
+            #[inline(always)]
+            |k| f(own[k], i, k),
+        );
+        *black = other;
     }
-    let done = 1 + pairs.len() * BLOCK;
+    let done = pairs.len() * BLOCK;
     for (k, &v) in rest.iter().enumerate() {
-        if k % 2 == 0 { even[done + k / 2] = convert(v) } else { odd[done + k / 2] = convert(v) }
+        let (m, v) = (done + k / 2, convert(v));
+        if k % 2 == q { red[1 + m] = f(v, m / BLOCK, m % BLOCK) } else { black[1 + m] = v }
     }
 }
 
@@ -177,25 +206,32 @@ pub(crate) mod measure {
 }
 
 impl<T: Real, const D: usize> RowOp<'_, T, D> {
-    /// x = b/diagonal.
+    /// Splits a row as [`split`] does, into b/diagonal of this half row's cells and b of the others.
     #[inline(always)]
-    pub fn divide(&self, b: &[T], x: &mut [T]) {
-        let count = self.inverse.len();
-        for ((x, b), w) in blocks_mut(x, 1, count).iter_mut().zip(blocks(b, 1, count)).zip(self.inverse) {
-            *x = block(
-                #[inline(always)]
-                |k| w[k] * b[k],
-            );
-        }
+    pub fn split_divided<B: Real>(&self, b: &[B], scale: f64, q: usize, red: &mut [T], black: &mut [T]) {
+        split_with(
+            b,
+            scale,
+            q,
+            red,
+            black,
+            #[inline(always)]
+            |v, i, k| self.inverse[i][k] * v,
+        );
     }
 
-    /// The same in place.
+    /// out = b/diagonal + P coarse.
     #[inline(always)]
-    pub fn divide_in_place(&self, x: &mut [T]) {
-        for (x, w) in blocks_mut(x, 1, self.inverse.len()).iter_mut().zip(self.inverse) {
-            *x = block(
+    pub fn divide_and_prolong(&self, q: usize, b: &[T], along: &Along<T>, coarse: &[T], out: &mut [T]) {
+        let count = self.inverse.len();
+        let (own, beside) = along.prolongation(q);
+        let (parent, side, b) = (blocks(coarse, 1, count), blocks(coarse, 2 * q, count), blocks(b, 1, count));
+        for (i, out) in blocks_mut(out, 1, count).iter_mut().enumerate() {
+            let (inverse, b) = (&self.inverse[i], &b[i]);
+            let (own, beside, parent, side) = (&own[i], &beside[i], &parent[i], &side[i]);
+            *out = block(
                 #[inline(always)]
-                |k| w[k] * x[k],
+                |k| inverse[k] * b[k] + (own[k] * parent[k] + beside[k] * side[k]),
             );
         }
     }

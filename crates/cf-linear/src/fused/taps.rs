@@ -2,7 +2,7 @@
 
 use cf_grid::Real;
 
-use super::rows::{block, blocks, blocks_mut, of, table};
+use super::rows::{BLOCK, block, blocks, blocks_mut, of, table};
 use super::tile::Lines;
 use crate::axis::Interpolation;
 
@@ -34,19 +34,10 @@ impl<T: Real> Along<T> {
         }
     }
 
-    /// fine += P coarse, on the cells of parity `q`; both padded.
+    /// Weights of P for the cells of parity `q`: of their parents, and of the coarse cells beside those.
     #[inline(always)]
-    pub fn prolong_add(&self, q: usize, coarse: &[T], fine: &mut [T]) {
-        let (own, beside) = (of(&self.own[q]), of(&self.beside[q]));
-        let count = own.len();
-        let (parent, side) = (blocks(coarse, 1, count), blocks(coarse, 2 * q, count));
-        for (i, fine) in blocks_mut(fine, 1, count).iter_mut().enumerate() {
-            let (own, beside, parent, side) = (&own[i], &beside[i], &parent[i], &side[i]);
-            *fine = block(
-                #[inline(always)]
-                |k| fine[k] + (own[k] * parent[k] + beside[k] * side[k]),
-            );
-        }
+    pub fn prolongation(&self, q: usize) -> (&[[T; BLOCK]], &[[T; BLOCK]]) {
+        (of(&self.own[q]), of(&self.beside[q]))
     }
 
     /// coarse = Pᵀ fine, from a half row of parity `q` whose rim beyond its cells is zero or wrapped; both padded.

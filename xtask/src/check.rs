@@ -59,5 +59,6 @@ fn print_run(scene: &Scene) -> f64 {
         say!("  {:<15} {:>10}  {}", "memory", show::bytes(row.bytes), row.name);
     }
     say!("  {:<15} {:>10}  in all", "memory", show::bytes(memory.total()));
+    scene.warnings.iter().for_each(|warning| say!("  {:<15} {warning}", "warning"));
     plan.seconds
 }

@@ -1,11 +1,18 @@
 //! The command line.
 
+use crate::bench::{Cells, Numbers, Strength, Tolerance, Walls};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 fine, 1 a claim, check or golden failed, 2 bad command line or scene (nothing is written), \
 3 numerical failure, 4 input or output, 130 interrupted.";
+
+const BENCH_EXAMPLES: &str = "\
+Examples:
+  cargo xtask bench solver --json bench.json
+  cargo xtask bench solver --cells 97x61x45 --walls valued --kappa 10,1e5 --threads 1
+  cargo xtask bench solver --cells 128x128x128 --tolerance 1e-6 --peers";
 
 /// Diffusion at a finite speed: figures, scenes, checks and measurements.
 #[derive(Parser, Debug)]
@@ -38,7 +45,7 @@ pub enum Command {
     #[command(after_help = "Example: cargo xtask regress")]
     Regress(RegressArgs),
     /// Measures this machine's memory and the kernels against it.
-    #[command(after_help = "Example: cargo xtask bench solver --json bench.json")]
+    #[command(after_help = BENCH_EXAMPLES)]
     Bench(BenchArgs),
 }
 
@@ -153,4 +160,55 @@ pub struct BenchArgs {
     /// Also write the numbers to this file.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+    /// What to solve.
+    #[command(flatten)]
+    pub solver: SolverArgs,
+}
+
+/// What `bench solver` solves. Without these, one axis at a time is varied around 256x256x256, closed, poisson, 1e-6, f64,
+/// all threads; an axis given here takes its values, the others stay there.
+#[derive(Args, Debug, Default, PartialEq)]
+#[command(next_help_heading = "Solves")]
+pub struct SolverArgs {
+    /// Every combination of sizes, walls, kappa, tolerances, precisions and threads: hours.
+    #[arg(long)]
+    pub all: bool,
+    /// Sizes: 1024x1024,128x128x128.
+    #[arg(long, value_name = "NxNxN", value_delimiter = ',')]
+    pub cells: Vec<Cells>,
+    /// What all sides of the box are.
+    #[arg(long, value_enum, value_delimiter = ',')]
+    pub walls: Vec<Walls>,
+    /// beta/h² beside alpha = 1, or poisson for alpha = 0.
+    #[arg(long, value_name = "KAPPA|poisson", value_delimiter = ',')]
+    pub kappa: Vec<Strength>,
+    /// Residual relative to the right-hand side, in the 2-norm.
+    #[arg(long, value_name = "TOLERANCE", value_delimiter = ',')]
+    pub tolerance: Vec<Tolerance>,
+    /// Numbers: f64, f32, or f64 with a preconditioner in f32 (mixed).
+    #[arg(long, value_enum, value_delimiter = ',')]
+    pub precision: Vec<Numbers>,
+    /// Worker threads.
+    #[arg(long, value_name = "N", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Vec<u16>,
+    /// Times each solve is made at least; the median counts. 3 unless given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub runs: Option<u16>,
+    /// In turn with hypre's PFMG: 128x128x128 and 256x256x256, both tolerances, 1 and all threads, unless given.
+    #[arg(long)]
+    pub peers: bool,
+    /// The compiler for the peers; mpicc unless given.
+    #[arg(long, value_name = "PROGRAM", requires = "peers")]
+    pub mpicc: Option<PathBuf>,
+}
+
+impl SolverArgs {
+    /// Whether any axis of the problems is given.
+    pub fn fixes_an_axis(&self) -> bool {
+        let SolverArgs { cells, walls, kappa, tolerance, precision, threads, all: _, runs: _, peers: _, mpicc: _ } =
+            self;
+        ![cells.len(), walls.len(), kappa.len(), tolerance.len(), precision.len(), threads.len()]
+            .iter()
+            .all(|&n| n == 0)
+    }
 }

@@ -96,9 +96,13 @@ fn snippet(problem: &SceneError, text: Option<&str>, colour: bool) -> String {
         (Place::Flag { flag, .. }, _) => ("--set", flag.as_str()),
         _ => return String::new(),
     };
-    let span = problem.place.span();
+    let mut span = problem.place.span();
     if span.end > source.len() || source.len() > LARGEST_SOURCE {
         return String::new();
+    }
+    // Bytes that are no text stand in the source as a character of several.
+    while !source.is_char_boundary(span.end) {
+        span.end += 1;
     }
     let detail = &problem.detail;
     let label = match (&detail.nearest, &detail.expected) {

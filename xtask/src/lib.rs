@@ -49,7 +49,7 @@ pub fn main_with(args: impl IntoIterator<Item = impl Into<OsString> + Clone>, st
         Command::Check(asked) => check::check(&asked),
         Command::Verify(asked) => verify::verify(&asked),
         Command::Regress(asked) => regress::regress(&asked, stop),
-        Command::Bench(asked) => bench::bench(&asked),
+        Command::Bench(asked) => bench::bench(&asked, stop),
     };
     outcome.map_or_else(|failure| failure.report(), |()| Exit::Fine)
 }

@@ -43,6 +43,8 @@ pub fn figure(request: &str, options: &SceneOptions) -> Result<Vec<Opened>, Fail
 pub fn file(path: &Path, options: &SceneOptions) -> Result<Opened, Failure> {
     let sets = sets(options)?;
     let shown = path.display().to_string();
+    // A path may hold what a terminal or a line of a log should not.
+    let shown: String = shown.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();
     let unreadable = |error: std::io::Error| {
         let words = format!("{shown}: cannot be read: {error}");
         if error.kind() == std::io::ErrorKind::NotFound { Failure::usage(words) } else { Failure::io(words) }

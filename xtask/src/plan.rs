@@ -3,7 +3,7 @@
 use crate::show;
 use cf_diffusion::{Coefficients, Law, Regime, hc, kdk_limit};
 use cf_linear::Plan;
-use cf_scene::spec::{Flow, Integrator, Medium, Precision};
+use cf_scene::spec::{Integrator, Precision};
 use cf_scene::{Model, Pace, Scene};
 
 /// What a run will do.
@@ -30,10 +30,10 @@ pub struct RunPlan {
 /// Plans a run.
 pub fn plan(scene: &Scene) -> RunPlan {
     let pace = Pace::of(scene);
-    let steps = steps(scene, pace.dt);
-    let (law, u) = match &scene.model {
-        Model::Diffusion(model) => (&model.law, medium_speed(scene, &model.medium)),
-        Model::SingleField(pulse) => (&pulse.law, pulse.velocity.abs()),
+    let (steps, u) = (pace.steps(scene), scene.medium_speed());
+    let law = match &scene.model {
+        Model::Diffusion(model) => &model.law,
+        Model::SingleField(pulse) => &pulse.law,
     };
     let law = Law::new(law.k, law.tau, law.fourier).ok();
     let (solver, cost) = match pace.integrator {
@@ -65,41 +65,12 @@ fn cells(scene: &Scene) -> f64 {
     scene.grid.cells.iter().map(|&n| n as f64).product()
 }
 
-fn steps(scene: &Scene, dt: f64) -> f64 {
-    let schedule = &scene.schedule;
-    // Steps divide the time between frames.
-    let frames = f64::from(schedule.frames.max(1));
-    let all = frames * (schedule.until / frames / dt - 1e-6).ceil().max(1.0);
-    schedule.steps.map_or(all, |most| all.min(most as f64))
-}
-
 fn words(law: &Option<Law>, u: f64) -> String {
     let Some(law) = law else { return "unknown".into() };
     let regime = Regime::of(law, u);
     match (law.speed(), hc(law, u)) {
         (Some(c), Some(hc)) => format!("{regime}, c = {c:.4} m/s, |u| = {u:.4} m/s, H_c = {hc:.4}"),
         _ => format!("{regime}, no finite speed, |u| = {u:.4} m/s"),
-    }
-}
-
-/// The largest speed in the box \[m/s\].
-fn medium_speed(scene: &Scene, medium: &Medium) -> f64 {
-    let grid = &scene.grid;
-    match medium {
-        Medium::Still => 0.0,
-        Medium::Uniform(u) => u.iter().map(|v| v * v).sum::<f64>().sqrt(),
-        Medium::Analytic(Flow::Rotation { center, rate }) => {
-            let arm = |axis: usize| {
-                let low = center[axis] - grid.origin[axis];
-                low.abs().max((grid.extent[axis] - low).abs())
-            };
-            rate.abs() * arm(0).hypot(arm(1))
-        }
-        // A bound: the flow is made of unit speeds on a unit box.
-        Medium::Analytic(Flow::Deformation { .. }) => {
-            let longest = grid.extent.iter().copied().fold(0.0, f64::max);
-            if grid.dimension() == 3 { 2.0 * longest } else { longest }
-        }
     }
 }
 

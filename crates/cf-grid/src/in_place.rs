@@ -3,6 +3,7 @@
 //! Within one colour no updated cell is read by another, so any order gives the same bits. Threads get disjoint blocks
 //! of planes with a plane between them that is done afterwards, which needs no copies and no `unsafe`.
 
+use crate::simd::{array, inlined, vectorised};
 use crate::{Layout, Reduce, Region, Run};
 
 /// Rows around the row being changed, each as long as a padded row (`cells[0] + 2`): the rim cells are at its ends.
@@ -49,15 +50,20 @@ impl<const D: usize> Layout<D> {
         let plane = self.stride(outer);
         let (low, high) = (region.low[outer], region.high[outer]);
         if high - low < 3 || planes.len() <= GRAIN {
-            let mut total = S::default();
-            for p in low..high {
-                let (before, rest) = planes.split_at_mut((p - low) * plane);
-                let (current, after) = rest.split_at_mut(plane);
-                let under = if p == low { below } else { &before[before.len() - plane..] };
-                let over = if p + 1 == high { above } else { &after[..plane] };
-                total = total.merge(self.plane_in_place(region, p, current, under, over, body));
-            }
-            return total;
+            return vectorised(
+                #[inline(always)]
+                || {
+                    let mut total = S::default();
+                    for p in low..high {
+                        let (before, rest) = planes.split_at_mut((p - low) * plane);
+                        let (current, after) = rest.split_at_mut(plane);
+                        let under = if p == low { below } else { &before[before.len() - plane..] };
+                        let over = if p + 1 == high { above } else { &after[..plane] };
+                        total = total.merge(self.plane_in_place(region, p, current, under, over, body));
+                    }
+                    total
+                },
+            );
         }
         let middle = low + (high - low) / 2;
         let (first, rest) = planes.split_at_mut((middle - low) * plane);
@@ -72,9 +78,14 @@ impl<const D: usize> Layout<D> {
         );
         let under = &first[first.len() - plane..];
         let over = if second.is_empty() { above } else { &second[..plane] };
-        a.merge(b).merge(self.plane_in_place(region, middle, between, under, over, body))
+        let last = vectorised(
+            #[inline(always)]
+            || self.plane_in_place(region, middle, between, under, over, body),
+        );
+        a.merge(b).merge(last)
     }
 
+    #[inline(always)]
     fn plane_in_place<T, S: Reduce>(
         &self,
         region: Region<D>,
@@ -98,12 +109,32 @@ impl<const D: usize> Layout<D> {
             let (before, rest) = plane.split_at_mut(at);
             let (row, after) = rest.split_at_mut(row_slots);
             let (ahead, behind) = (&before[at - row_slots..], &after[..row_slots]);
-            let pick = |y, z| std::array::from_fn(|a| if a < 2 { y } else { z });
+            let pick = inlined(
+                #[inline(always)]
+                |y, z| {
+                    array(
+                        #[inline(always)]
+                        |a| if a < 2 { y } else { z },
+                    )
+                },
+            );
             let near =
                 Near { low: pick(ahead, &below[at..at + row_slots]), high: pick(behind, &above[at..at + row_slots]) };
             total = total.merge(body(Run::new(self, cell, len), row, near));
         }
         total
+    }
+
+    /// Sets the rim to zero.
+    pub fn clear_rim<T: Copy + Default>(&self, x: &mut [T]) {
+        for axis in 0..D {
+            let stride = self.stride(axis);
+            let block = stride * (self.cells()[axis] + 2);
+            for part in x.chunks_exact_mut(block) {
+                part[..stride].fill(T::default());
+                part[block - stride..].fill(T::default());
+            }
+        }
     }
 
     /// Copies the cells of the opposite side into the rim along `axis`, so that neighbours of a periodic axis can be
@@ -171,6 +202,15 @@ mod tests {
         check([40, 30, 50]);
         check([3, 5, 7]);
         check([64, 64, 2]);
+    }
+
+    #[test]
+    fn the_rim_is_cleared_and_nothing_else() {
+        let layout = Layout::new([3, 2, 4]).unwrap();
+        let mut x = CellField::<f64>::new(&layout);
+        x.fill(1.0);
+        layout.clear_rim(&mut x);
+        assert_eq!((x.iter().sum::<f64>(), layout.sum(&x)), (24.0, 24.0));
     }
 
     #[test]

@@ -44,6 +44,7 @@ mod real;
 mod reduce;
 mod run;
 mod sides;
+mod simd;
 mod slabs;
 mod sweep;
 
@@ -57,4 +58,5 @@ pub use real::Real;
 pub use reduce::{Max, Reduce, row_dot, row_sum};
 pub use run::{At, Run};
 pub use sides::{Axis, End, Sides, Wall};
+pub use simd::{array, inlined, vectorised};
 pub use slabs::Slabs;

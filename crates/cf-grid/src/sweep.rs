@@ -1,5 +1,6 @@
 //! The two loop primitives. The outermost axis is halved until a piece is small; sizes alone decide where.
 
+use crate::simd::vectorised;
 use crate::{At, Layout, Reduce, Region, Run, Slabs};
 
 /// Pieces of at most this many slots run serially: about a third of a core's L2 in f64.
@@ -27,11 +28,16 @@ impl<const D: usize> Layout<D> {
 
     /// [`par_cells`](Self::par_cells) over any region, for instance the faces of an axis.
     pub fn par_region<T: Send>(&self, region: Region<D>, out: &mut [T], value: impl Fn(At<'_, D>) -> T + Sync) {
-        self.par_runs(region, out, |run, row: &mut [T]| {
-            for (at, slot) in run.ats().zip(row) {
-                *slot = value(at);
-            }
-        });
+        self.par_runs(
+            region,
+            out,
+            #[inline(always)]
+            |run, row: &mut [T]| {
+                for (at, slot) in run.ats().zip(row) {
+                    *slot = value(at);
+                }
+            },
+        );
     }
 
     fn halve<O: Slabs, S: Reduce>(
@@ -45,7 +51,10 @@ impl<const D: usize> Layout<D> {
         let (low, high) = (region.low[outer], region.high[outer]);
         let plane = self.stride(outer);
         if high - low == 1 || (high - low) * plane <= GRAIN {
-            return self.serial(region, out, base, body);
+            return vectorised(
+                #[inline(always)]
+                || self.serial(region, out, base, body),
+            );
         }
         let middle = low + (high - low) / 2;
         let cut = (middle + 1) * plane;
@@ -57,6 +66,7 @@ impl<const D: usize> Layout<D> {
         a.merge(b)
     }
 
+    #[inline(always)]
     fn serial<O: Slabs, S: Reduce>(
         &self,
         region: Region<D>,
@@ -66,12 +76,16 @@ impl<const D: usize> Layout<D> {
     ) -> S {
         let mut total = S::default();
         let (mut rest, mut at) = (Some(out), base);
-        self.each_row(region, |run| {
-            let Some(out) = rest.take() else { return };
-            let (row, after) = out.split_at(run.start - at).1.split_at(run.len);
-            total = std::mem::take(&mut total).merge(body(run, row));
-            (rest, at) = (Some(after), run.start + run.len);
-        });
+        self.each_row(
+            region,
+            #[inline(always)]
+            |run| {
+                let Some(out) = rest.take() else { return };
+                let (row, after) = out.split_at(run.start - at).1.split_at(run.len);
+                total = std::mem::take(&mut total).merge(body(run, row));
+                (rest, at) = (Some(after), run.start + run.len);
+            },
+        );
         total
     }
 
@@ -83,6 +97,7 @@ impl<const D: usize> Layout<D> {
     }
 
     /// Rows of a region in storage order.
+    #[inline(always)]
     pub(crate) fn each_row(&self, region: Region<D>, mut f: impl FnMut(Run<'_, D>)) {
         let len = region.high[0] - region.low[0];
         let mut cell = region.low;

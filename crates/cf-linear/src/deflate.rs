@@ -46,10 +46,15 @@ impl Deflation {
             Self::None => Vec::new(),
             Self::Whole => vec![layout.sum(x) / layout.count() as f64],
             Self::Components(c) => {
-                let main: f64 = layout.par_runs(layout.cells_region(), (), |run, ()| {
-                    let cells = run.row(x).iter().zip(run.row(&c.main));
-                    cells.map(|(v, &inside)| if inside { v.f64() } else { 0.0 }).sum::<f64>()
-                });
+                let main: f64 = layout.par_runs(
+                    layout.cells_region(),
+                    (),
+                    #[inline(always)]
+                    |run, ()| {
+                        let cells = run.row(x).iter().zip(run.row(&c.main));
+                        cells.map(|(v, &inside)| if inside { v.f64() } else { 0.0 }).sum::<f64>()
+                    },
+                );
                 let others = c.others.iter().map(|slots| {
                     let sum: f64 = slots.iter().map(|&s| x[s].f64()).sum();
                     sum / slots.len() as f64
@@ -76,15 +81,25 @@ impl Deflation {
     ) {
         let (first, rest) = values.split_first().map_or((0.0, values), |(first, rest)| (*first, rest));
         match self {
-            Self::None | Self::Whole => layout.par_runs(layout.cells_region(), x, |_, row: &mut [T]| {
-                row.iter_mut().for_each(|v| *v = T::of(v.f64() * factor + first));
-            }),
+            Self::None | Self::Whole => layout.par_runs(
+                layout.cells_region(),
+                x,
+                #[inline(always)]
+                |_, row: &mut [T]| {
+                    row.iter_mut().for_each(|v| *v = T::of(v.f64() * factor + first));
+                },
+            ),
             Self::Components(c) => {
-                layout.par_runs(layout.cells_region(), &mut *x, |run, row: &mut [T]| {
-                    for (v, &inside) in row.iter_mut().zip(run.row(&c.main)) {
-                        *v = T::of(v.f64() * factor + if inside { first } else { 0.0 });
-                    }
-                });
+                layout.par_runs(
+                    layout.cells_region(),
+                    &mut *x,
+                    #[inline(always)]
+                    |run, row: &mut [T]| {
+                        for (v, &inside) in row.iter_mut().zip(run.row(&c.main)) {
+                            *v = T::of(v.f64() * factor + if inside { first } else { 0.0 });
+                        }
+                    },
+                );
                 for (slots, value) in c.others.iter().zip(rest) {
                     slots.iter().for_each(|&s| x[s] = T::of(x[s].f64() + value));
                 }

@@ -198,6 +198,16 @@ impl<'m, const D: usize> Helmholtz<'m, D> {
         self.mask.is_some() || self.shares.is_some()
     }
 
+    /// Open volume of each cell in units of h^D; empty where no coefficient is stored.
+    pub(crate) fn open(&self) -> Vec<f64> {
+        if !self.is_stored() {
+            return Vec::new();
+        }
+        let mut open = vec![0.0; self.layout.slots()];
+        self.layout.par_cells(&mut open, |at| if self.is_fluid(at.cell) { 1.0 } else { 0.0 });
+        open
+    }
+
     /// The finest level, divided by [`scale`](Self::scale).
     pub(crate) fn level<T: Real>(&self) -> LevelOperator<T, D> {
         let scale = self.scale();

@@ -1,10 +1,15 @@
 //! The preconditioner: one V(1,1) cycle with red-black Gauss-Seidel, colours reversed on the way up, from a zero guess.
 //! It is a symmetric positive definite operator (model/diffusion.md 5.2).
+//!
+//! Levels of uniform coefficients take the two sweeps of [`fused`](crate::fused); levels with stored coefficients, and
+//! those where two cells of one colour meet at a seam, take one sweep per part of the cycle.
 
-use cf_grid::{Layout, Real};
+use cf_grid::{Layout, Real, row_dot, row_sum};
 
 use crate::axis::in_series;
 use crate::coarse::{self, CoarseSolver};
+use crate::deflate::Deflation;
+use crate::fused::{Fused, Products, Scratch};
 use crate::helmholtz::Helmholtz;
 use crate::level::{Coefficients, LevelOperator};
 use crate::stencil::{BoxStencil, StoredStencil};
@@ -13,17 +18,33 @@ use crate::transfer::Transfer;
 /// Levels, transfers and scratch of one operator, built once and reused for every solve.
 pub struct Multigrid<T, const D: usize> {
     finest: LevelOperator<T, D>,
-    /// `transfers[l]` joins level l and l + 1.
-    transfers: Vec<Transfer<T, D>>,
+    /// `steps[l]` joins level l and l + 1.
+    steps: Vec<Step<T, D>>,
     coarser: Vec<Level<T, D>>,
     coarsest: Option<CoarseSolver<D>>,
+    /// Right-hand side and scratch of the finest level; empty where that is fused.
+    own: [Vec<T>; 2],
+    work: Work<T>,
+}
+
+/// How two levels are joined.
+struct Step<T, const D: usize> {
+    transfer: Transfer<T, D>,
+    fused: Option<Fused<T, D>>,
 }
 
 struct Level<T, const D: usize> {
     operator: LevelOperator<T, D>,
     x: Vec<T>,
     b: Vec<T>,
+    /// Empty where the level is fused.
     scratch: Vec<T>,
+}
+
+/// What the fused sweeps of all levels share.
+struct Work<T> {
+    threads: Vec<Scratch<T>>,
+    sums: Vec<Products>,
 }
 
 /// Coarsening goes on to about this many cells, where the exact solve is free.
@@ -35,8 +56,10 @@ const WEAK: f64 = 0.5;
 impl<T: Real, const D: usize> Multigrid<T, D> {
     /// The hierarchy of an operator: levels halve until kappa is weak, or few cells are left.
     pub fn new(helmholtz: &Helmholtz<'_, D>) -> Self {
-        let finest = helmholtz.level::<T>();
-        let (mut transfers, mut coarser): (Vec<_>, Vec<Level<T, D>>) = (Vec::new(), Vec::new());
+        // Open volume of each cell, as long as there are obstacles.
+        let mut open = helmholtz.open();
+        let finest = helmholtz.level::<T>().with_band(&open);
+        let (mut steps, mut coarser): (Vec<Step<T, D>>, Vec<Level<T, D>>) = (Vec::new(), Vec::new());
         let kappa = helmholtz.kappa() * helmholtz.largest_share();
         let mut strength = if helmholtz.alpha() > 0.0 { kappa / helmholtz.alpha() } else { f64::INFINITY };
         let coarsest = loop {
@@ -48,14 +71,30 @@ impl<T: Real, const D: usize> Multigrid<T, D> {
             if cells <= SMALL || current.layout.cells().iter().all(|&n| n == 1) {
                 break CoarseSolver::new(current).filter(|_| cells <= coarse::LARGEST);
             }
-            let (operator, transfer) = coarsen(current);
+            let (operator, step) = coarsen(current, &mut open);
             let slots = operator.layout.slots();
             let field = || vec![T::ZERO; slots];
-            coarser.push(Level { x: field(), b: field(), scratch: field(), operator });
-            transfers.push(transfer);
+            coarser.push(Level { x: field(), b: field(), scratch: Vec::new(), operator });
+            steps.push(step);
             strength /= 4.0;
         };
-        Self { finest, transfers, coarser, coarsest }
+        for (l, level) in coarser.iter_mut().enumerate() {
+            if steps.get(l + 1).is_some_and(|s| s.fused.is_none()) {
+                level.scratch = vec![T::ZERO; level.x.len()];
+            }
+        }
+        let slots = if steps.first().is_some_and(|s| s.fused.is_some()) { 0 } else { finest.layout.slots() };
+        let own = std::array::from_fn(|_| vec![T::ZERO; slots]);
+        let fused = || steps.iter().filter_map(|s| s.fused.as_ref());
+        let length = fused().map(Fused::scratch).max().unwrap_or(0);
+        let planes = fused().map(Fused::planes).max().unwrap_or(0);
+        // A serial sweep needs one, threads two each (see `fused::tile::slabs`).
+        let threads = if length == 0 { 0 } else { 2 * rayon::current_num_threads() };
+        let work = Work {
+            threads: (0..threads).map(|_| vec![T::ZERO; length]).collect(),
+            sums: vec![Products::default(); planes],
+        };
+        Self { finest, steps, coarser, coarsest, own, work }
     }
 
     /// The operator of the finest level, divided by its [`scale`](Helmholtz::scale).
@@ -75,50 +114,93 @@ impl<T: Real, const D: usize> Multigrid<T, D> {
 
     /// Bytes of coefficients, transfers and level vectors.
     pub fn bytes(&self) -> usize {
-        let vectors: usize = self.coarser.iter().map(|l| 3 * l.x.len()).sum();
-        let scales: usize = self.transfers.iter().filter_map(|t| t.renormalise.as_ref()).map(Vec::len).sum();
+        let levels: usize = self.coarser.iter().map(|l| l.x.len() + l.b.len() + l.scratch.len()).sum();
+        let own: usize = self.own.iter().map(Vec::len).sum();
+        let rings: usize = self.work.threads.iter().map(Vec::len).sum();
+        let scales: usize = self.steps.iter().filter_map(|s| s.transfer.renormalise.as_ref()).map(Vec::len).sum();
+        let tables: usize = self.steps.iter().filter_map(|s| s.fused.as_ref()).map(Fused::bytes).sum();
         let stored: usize = self.coarser.iter().map(|l| l.operator.bytes()).sum();
-        (vectors + scales) * size_of::<T>() + stored + self.finest.bytes()
-    }
-
-    /// x = M b, one cycle from a zero guess. `scratch` is any vector of the same layout whose content is not needed;
-    /// its rim and that of `x` are set to zero or wrapped.
-    pub fn cycle(&mut self, b: &[T], x: &mut [T], scratch: &mut [T]) {
-        self.split().1.cycle(b, x, scratch);
+        let sums = self.work.sums.len() * size_of::<Products>();
+        (levels + own + rings + scales) * size_of::<T>() + tables + sums + stored + self.finest.bytes()
     }
 
     /// The finest operator and the cycle over it, borrowed apart.
-    pub(crate) fn split(&mut self) -> (&LevelOperator<T, D>, Below<'_, T, D>) {
-        let Self { finest, transfers, coarser, coarsest } = self;
-        (finest, Below { finest, transfers, coarser, coarsest })
+    pub(crate) fn split(&mut self) -> (&LevelOperator<T, D>, Cycle<'_, T, D>) {
+        let Self { finest, steps, coarser, coarsest, own, work } = self;
+        (finest, Cycle { finest, steps, coarser, coarsest, own, work })
     }
 }
 
 /// A hierarchy borrowed for cycles.
-pub(crate) struct Below<'a, T, const D: usize> {
+pub(crate) struct Cycle<'a, T, const D: usize> {
     finest: &'a LevelOperator<T, D>,
-    transfers: &'a [Transfer<T, D>],
+    steps: &'a [Step<T, D>],
     coarser: &'a mut [Level<T, D>],
     coarsest: &'a mut Option<CoarseSolver<D>>,
+    own: &'a mut [Vec<T>; 2],
+    work: &'a mut Work<T>,
 }
 
-impl<T: Real, const D: usize> Below<'_, T, D> {
-    pub fn cycle(&mut self, b: &[T], x: &mut [T], scratch: &mut [T]) {
-        cycle(self.finest, self.transfers, self.coarser, self.coarsest, b, x, scratch);
+impl<T: Real, const D: usize> Cycle<'_, T, D> {
+    /// x = M (scale · b), one cycle from a zero guess; the rim of `x` is not meaningful. Returns inner products of
+    /// scale · b and x; small components of a `deflation` are taken out of x before that.
+    pub fn run<B: Real>(&mut self, b: &[B], scale: f64, x: &mut [T], deflation: &Deflation) -> Products {
+        let Self { finest, steps, coarser, coarsest, own, work } = self;
+        if let (Some(step), Some((next, below))) = (steps.first(), coarser.split_first_mut())
+            && let Some(fused) = &step.fused
+        {
+            fused.descend(b, scale, &mut next.b, &mut work.threads);
+            cycle(&next.operator, &steps[1..], below, coarsest, &next.b, &mut next.x, &mut next.scratch, work);
+            let products = fused.ascend(b, scale, &next.x, x, &mut work.sums, &mut work.threads);
+            if !products.bx.is_finite() {
+                // What stands between rows is multiplied by zero, which NaN would survive.
+                work.threads.iter_mut().for_each(|scratch| scratch.fill(T::ZERO));
+            }
+            return products;
+        }
+        let layout = finest.layout;
+        let cells = layout.cells_region();
+        let [copy, scratch] = &mut **own;
+        layout.par_runs(
+            cells,
+            &mut copy[..],
+            #[inline(always)]
+            |run, copy: &mut [T]| {
+                for (copy, &b) in copy.iter_mut().zip(run.row(b)) {
+                    *copy = T::of(b.f64() * scale);
+                }
+            },
+        );
+        cycle(finest, steps, coarser, coarsest, copy, x, scratch, work);
+        if let Deflation::Components(_) = deflation {
+            deflation.project(&layout, x);
+        }
+        let (bx, sum): (f64, f64) = layout.par_runs(
+            cells,
+            (),
+            #[inline(always)]
+            |run, ()| {
+                let x = run.row(x);
+                (row_dot(run.row(copy), x), row_sum(x))
+            },
+        );
+        Products { bx, xax: finest.apply(x, scratch), x: sum }
     }
 }
 
+#[allow(clippy::too_many_arguments)]
 fn cycle<T: Real, const D: usize>(
     operator: &LevelOperator<T, D>,
-    transfers: &[Transfer<T, D>],
+    steps: &[Step<T, D>],
     coarser: &mut [Level<T, D>],
     coarsest: &mut Option<CoarseSolver<D>>,
     b: &[T],
     x: &mut [T],
     scratch: &mut [T],
+    work: &mut Work<T>,
 ) {
-    x.fill(T::ZERO);
-    let Some((next, below)) = coarser.split_first_mut() else {
+    let (Some((next, below)), Some((step, rest))) = (coarser.split_first_mut(), steps.split_first()) else {
+        x.fill(T::ZERO);
         if let Some(solver) = coarsest {
             solver.solve(b, x);
         } else {
@@ -127,36 +209,68 @@ fn cycle<T: Real, const D: usize>(
             operator.smooth(b, x, false);
             operator.smooth(b, x, true);
         }
+        operator.wrap(x);
         return;
     };
+    if let Some(fused) = &step.fused {
+        fused.descend(b, 1.0, &mut next.b, &mut work.threads);
+        cycle(&next.operator, rest, below, coarsest, &next.b, &mut next.x, &mut next.scratch, work);
+        fused.ascend(b, 1.0, &next.x, x, &mut work.sums, &mut work.threads);
+        return;
+    }
+    x.fill(T::ZERO);
     operator.smooth(b, x, false);
     scratch.fill(T::ZERO);
     operator.residual(b, x, scratch);
-    transfers[0].weigh(scratch);
+    step.transfer.weigh(scratch);
     operator.wrap(scratch);
-    transfers[0].restrict(scratch, &mut next.b);
-    cycle(&next.operator, &transfers[1..], below, coarsest, &next.b, &mut next.x, &mut next.scratch);
+    step.transfer.restrict(scratch, &mut next.b);
+    cycle(&next.operator, rest, below, coarsest, &next.b, &mut next.x, &mut next.scratch, work);
     next.operator.wrap(&mut next.x);
-    transfers[0].prolong_add(&next.x, x);
+    step.transfer.prolong_add(&next.x, x);
     operator.smooth(b, x, true);
+    operator.wrap(x);
 }
 
-fn coarsen<T: Real, const D: usize>(fine: &LevelOperator<T, D>) -> (LevelOperator<T, D>, Transfer<T, D>) {
+/// The operator of the next level and the way there; `open` becomes that level's.
+fn coarsen<T: Real, const D: usize>(
+    fine: &LevelOperator<T, D>,
+    open: &mut Vec<f64>,
+) -> (LevelOperator<T, D>, Step<T, D>) {
     let pairs: Vec<_> = fine.axes.iter().map(|a| a.coarsen()).collect();
     let axes = std::array::from_fn(|a| pairs[a].0.clone());
     let interpolation = std::array::from_fn(|a| pairs[a].1.clone());
     // Halving a valid layout gives a valid layout.
     let layout = Layout::new(std::array::from_fn(|a| pairs[a].0.len())).unwrap_or(fine.layout);
     let mut transfer = Transfer { fine: fine.layout, coarse: layout, axes: interpolation, renormalise: None };
+    let mut fused = None;
     let coefficients = match &fine.coefficients {
-        Coefficients::Uniform(s) => Coefficients::Uniform(BoxStencil { alpha: s.alpha, axes: axes.clone() }),
+        Coefficients::Uniform(s) => {
+            fused = Fused::new(s, &fine.layout, &layout, &transfer.axes);
+            Coefficients::Uniform(BoxStencil { alpha: s.alpha, axes: axes.clone() })
+        }
         Coefficients::Stored(s) => {
             let stencil = coarsen_stored(fine, s, &axes, &layout);
             transfer.renormalise = Some(renormalisation(fine, s, &stencil, &transfer));
+            *open = sum_children(fine, &layout, |slot| open[slot]);
             Coefficients::Stored(stencil)
         }
     };
-    (LevelOperator::new(layout, axes, coefficients), transfer)
+    (LevelOperator::new(layout, axes, coefficients).with_band(open), Step { transfer, fused })
+}
+
+fn parent<T, const D: usize>(fine: &LevelOperator<T, D>, cell: [usize; D]) -> [usize; D] {
+    std::array::from_fn(|a| if fine.axes[a].len() > 1 { cell[a] / 2 } else { cell[a] })
+}
+
+fn sum_children<T: Real, const D: usize>(
+    fine: &LevelOperator<T, D>,
+    coarse: &Layout<D>,
+    value: impl Fn(usize) -> f64,
+) -> Vec<f64> {
+    let mut sum = vec![0.0; coarse.slots()];
+    fine.layout.each_cell(fine.layout.cells_region(), |at| sum[coarse.slot(parent(fine, at.cell))] += value(at.slot()));
+    sum
 }
 
 /// Coarse mass = sum of the children's; a coarse face's conductance = sum over the fine faces on it, each with the
@@ -167,12 +281,8 @@ fn coarsen_stored<T: Real, const D: usize>(
     axes: &[crate::axis::AxisTable; D],
     layout: &Layout<D>,
 ) -> StoredStencil<T, D> {
-    let parent = |a: usize, i: usize| if fine.axes[a].len() > 1 { i / 2 } else { i };
-    let mut mass = vec![0.0; layout.slots()];
+    let mass = sum_children(fine, layout, |slot| stencil.mass[slot].f64());
     let mut face: [Vec<f64>; D] = std::array::from_fn(|_| vec![0.0; layout.slots()]);
-    fine.layout.each_cell(fine.layout.cells_region(), |at| {
-        mass[layout.slot(std::array::from_fn(|a| parent(a, at.cell[a])))] += stencil.mass[at.slot()].f64();
-    });
     for a in 0..D {
         let (n, m) = (fine.axes[a].len(), axes[a].len());
         fine.layout.each_cell(fine.layout.faces_region(a, false), |at| {
@@ -198,7 +308,7 @@ fn coarsen_stored<T: Real, const D: usize>(
             } else {
                 0.0
             };
-            let mut cell: [usize; D] = std::array::from_fn(|o| if o == a { to } else { parent(o, at.cell[o]) });
+            let mut cell = parent(fine, at.cell);
             cell[a] = to;
             face[a][layout.slot(cell)] += w;
         });

@@ -1,108 +1,90 @@
 //! Preconditioned conjugate gradients on vectors of unit size.
 //!
 //! Dot products are in `f64`. Constants of a conserving operator are kept out of residuals and corrections
-//! (model/diffusion.md 5.6). One iteration costs, besides the preconditioner: A p with p·A p (2 passes), x and r with
-//! their norms (6), r·z (2), p (3).
+//! (model/diffusion.md 5.6). The cycle returns r·z and z·A z; with them p·A p = z·A z - beta² (p·A p before), since
+//! successive directions are A-orthogonal (Chronopoulos and Gear 1989), so that neither A p nor its product with p need
+//! a sweep of their own. Where beta is less than one, as a multigrid cycle makes it, nothing is lost by cancellation.
+//!
+//! | sweep | reads | writes | passes |
+//! |---|---|---|---|
+//! | z = M r | r (twice) | z | 3 and the coarse levels |
+//! | p = z + beta p, x += alpha p | z, p, x | p, x | 5 |
+//! | r -= alpha A p | p, r | r | 3 |
 
-use cf_grid::{Layout, Max, Real, row_dot, row_sum};
+use cf_grid::{Layout, Max, Real, array, inlined};
 
 use crate::deflate::Deflation;
 use crate::level::LevelOperator;
+use crate::multigrid::Cycle;
+use crate::norms::{BLOCK, Largest, Norms, residual_norms, row_largest};
 
 /// Vectors of an iteration, made once.
 pub(crate) struct Vectors<T> {
     pub r: Vec<T>,
-    pub z: Vec<T>,
     pub p: Vec<T>,
-    pub ap: Vec<T>,
 }
 
 impl<T: Real> Vectors<T> {
     pub fn new<const D: usize>(layout: &Layout<D>) -> Self {
         let field = || vec![T::ZERO; layout.slots()];
-        Self { r: field(), z: field(), p: field(), ap: field() }
+        Self { r: field(), p: field() }
     }
-}
-
-/// Norms of a residual.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Norms {
-    /// 2-norm.
-    pub two: f64,
-    /// Max-norm.
-    pub largest: f64,
-    /// Max-norm of the solution it belongs to, the measure of the rounding floor.
-    pub solution: f64,
 }
 
 /// Largest |mean| of a residual, relative to its 2-norm per cell, that is left in it.
 const MEAN_LEFT: f64 = 1e-3;
 
-/// z = M r.
-pub(crate) trait Preconditioner<T> {
-    fn precondition(&mut self, r: &[T], largest: f64, z: &mut [T], scratch: &mut [T]);
-}
-
 /// Runs from residual `v.r` (norms `start`) and solution `x` until `done` accepts the norms, or `limit` iterations are
-/// made. Returns the iterations.
+/// made. A `fresh` x may hold anything and counts as zero. Returns the iterations. `z` holds M r in the precision of M.
 #[allow(clippy::too_many_arguments)]
-pub(crate) fn iterate<T: Real, const D: usize>(
+pub(crate) fn iterate<T: Real, Z: Real, const D: usize>(
     operator: &LevelOperator<T, D>,
-    preconditioner: &mut impl Preconditioner<T>,
+    cycle: &mut Cycle<'_, Z, D>,
     deflation: &Deflation,
+    alpha: f64,
     x: &mut [T],
+    fresh: bool,
     v: &mut Vectors<T>,
+    z: &mut [Z],
     start: Norms,
     done: impl Fn(Norms) -> bool,
     limit: usize,
 ) -> usize {
     let layout = operator.layout;
-    let cells = layout.cells_region();
     let mut norms = start;
-    let mut previous = 0.0;
+    // rho and p·A p of the last iteration.
+    let mut last: Option<(f64, f64)> = None;
     for iteration in 0..limit {
         if done(norms) {
             return iteration;
         }
-        preconditioner.precondition(&v.r, norms.largest, &mut v.z, &mut v.ap);
-        let (rho, means) = inner_product(&layout, deflation, &v.r, &mut v.z);
-        if !rho.is_finite() || rho <= 0.0 {
+        let unit = if Z::NAME == T::NAME || norms.largest == 0.0 { 1.0 } else { norms.largest };
+        let products = cycle.run(&v.r, 1.0 / unit, z, deflation);
+        let (mut rho, mut curvature, mut mean) = (unit * unit * products.bx, unit * unit * products.xax, 0.0);
+        if let Deflation::Whole = deflation {
+            mean = unit * products.x / layout.count() as f64;
+            rho -= mean * norms.sum;
+            curvature -= alpha * layout.count() as f64 * mean * mean;
+        }
+        let beta = last.map_or(0.0, |(rho_before, _)| rho / rho_before);
+        curvature -= last.map_or(0.0, |(_, before)| beta * beta * before);
+        if !rho.is_finite() || rho <= 0.0 || !curvature.is_finite() || curvature <= 0.0 {
             return iteration;
         }
-        let (momentum, mean) = (T::of(if iteration == 0 { 0.0 } else { rho / previous }), T::of(means));
-        previous = rho;
-        let z = &v.z[..];
-        if iteration == 0 {
-            // Not multiplied by zero: the old direction may hold anything.
-            layout.par_runs(cells, &mut v.p[..], |run, p: &mut [T]| {
-                for (p, &z) in p.iter_mut().zip(run.row(z)) {
-                    *p = z - mean;
-                }
-            });
-        } else {
-            layout.par_runs(cells, &mut v.p[..], |run, p: &mut [T]| {
-                for (p, &z) in p.iter_mut().zip(run.row(z)) {
-                    *p = (z - mean) + momentum * *p;
-                }
-            });
-        }
-        let curvature = operator.apply(&mut v.p, &mut v.ap);
-        if !curvature.is_finite() || curvature <= 0.0 {
-            return iteration;
-        }
-        let step = T::of(rho / curvature);
-        let (p, ap) = (&v.p[..], &v.ap[..]);
-        let (square, sum, (largest, solution)): (f64, f64, (Max, Max)) =
-            layout.par_runs(cells, (&mut *x, &mut v.r[..]), |run, (x, r): (&mut [T], &mut [T])| {
-                for (x, &p) in x.iter_mut().zip(run.row(p)) {
-                    *x += step * p;
-                }
-                for (r, &ap) in r.iter_mut().zip(run.row(ap)) {
-                    *r -= step * ap;
-                }
-                (row_dot(r, r), row_sum(r), (Max(row_largest(r)), Max(row_largest(x))))
-            });
-        norms = Norms { two: square.sqrt(), largest: largest.0, solution: solution.0 };
+        let step = rho / curvature;
+        let factors = [unit, mean, beta, step];
+        let solution = advance(&layout, deflation, z, factors, [last.is_none(), fresh && last.is_none()], &mut v.p, x);
+        last = Some((rho, curvature));
+        let step = T::of(step);
+        let (square, sum, largest) = operator.sweep(
+            &mut v.p,
+            &mut v.r,
+            #[inline(always)]
+            move |ap, r| r - step * ap,
+            #[inline(always)]
+            |_, r| residual_norms(r),
+        );
+        norms = Norms { two: square.sqrt(), largest: largest.0, sum, solution };
         // Rounding slowly gives the residual a constant part, which no correction can remove.
         let drifted = match deflation {
             Deflation::None => false,
@@ -111,60 +93,93 @@ pub(crate) fn iterate<T: Real, const D: usize>(
         };
         if drifted {
             deflation.project(&layout, &mut v.r);
+            norms.sum = 0.0;
         }
     }
     limit
 }
 
-/// Largest absolute value of a row; NaN if any value is NaN.
-#[inline(always)]
-pub(crate) fn row_largest<T: Real>(r: &[T]) -> f64 {
-    // A NaN gets in, and nothing is larger than it.
-    let larger = |m: T, v: T| {
-        let v = v.abs();
-        if v <= m { m } else { v }
-    };
-    let keep = |m: T, v: T| if m.partial_cmp(&m).is_none() { m } else { larger(m, v) };
-    let mut lanes = [T::ZERO; 8];
-    let chunks = r.chunks_exact(8);
-    let mut largest = chunks.remainder().iter().fold(T::ZERO, |m, &v| keep(m, v));
-    for c in chunks {
-        for l in 0..8 {
-            lanes[l] = keep(lanes[l], c[l]);
-        }
-    }
-    for &l in &lanes {
-        largest = keep(largest, l);
-    }
-    largest.f64()
-}
-
-/// Largest absolute value over all cells; NaN if any value is NaN.
-pub(crate) fn largest<T: Real, const D: usize>(layout: &Layout<D>, x: &[T]) -> f64 {
-    let largest: Max = layout.par_runs(layout.cells_region(), (), |run, ()| Max(row_largest(run.row(x))));
-    largest.0
-}
-
-/// r·z without the constants of z, and the mean of z to be left out of it (components are projected in place).
-fn inner_product<T: Real, const D: usize>(
+/// p = unit z - mean + beta p, x += step p; returns max|x|. The old p and the old x of
+/// the first iteration may hold anything.
+fn advance<T: Real, Z: Real, const D: usize>(
     layout: &Layout<D>,
     deflation: &Deflation,
-    r: &[T],
-    z: &mut [T],
-) -> (f64, f64) {
-    if let Deflation::Components(_) = deflation {
-        deflation.project(layout, z);
-    }
-    let z = &*z;
-    let (rz, sum_r, sum_z): (f64, f64, f64) = layout.par_runs(layout.cells_region(), (), |run, ()| {
-        let (r, z) = (run.row(r), run.row(z));
-        (row_dot(r, z), row_sum(r), row_sum(z))
-    });
-    match deflation {
-        Deflation::Whole => {
-            let mean = sum_z / layout.count() as f64;
-            (rz - mean * sum_r, mean)
-        }
-        _ => (rz, 0.0),
-    }
+    z: &[Z],
+    [unit, mean, beta, step]: [f64; 4],
+    [first, fresh]: [bool; 2],
+    p: &mut [T],
+    x: &mut [T],
+) -> f64 {
+    let cells = layout.cells_region();
+    let [unit, mean, beta, step] = [unit, mean, beta, step].map(T::of);
+    let same = T::NAME == Z::NAME;
+    let turn = inlined(
+        #[inline(always)]
+        move |z: Z, p: T| {
+            let z = T::of(z.f64());
+            let z = if same { z - mean } else { unit * z - mean };
+            if first { z } else { z + beta * p }
+        },
+    );
+    let go = inlined(
+        #[inline(always)]
+        move |p: T, x: T| if fresh { step * p } else { x + step * p },
+    );
+    let largest = if let (false, Deflation::Components(_)) = (same, deflation) {
+        // What single precision left of the constants would stay in x.
+        layout.par_runs(
+            cells,
+            &mut *p,
+            #[inline(always)]
+            |run, p: &mut [T]| {
+                for (p, &z) in p.iter_mut().zip(run.row(z)) {
+                    *p = turn(z, *p);
+                }
+            },
+        );
+        deflation.project(layout, p);
+        let p = &*p;
+        layout.par_runs(
+            cells,
+            x,
+            #[inline(always)]
+            |run, x: &mut [T]| {
+                for (x, &p) in x.iter_mut().zip(run.row(p)) {
+                    *x = go(p, *x);
+                }
+                Max(row_largest(x))
+            },
+        )
+    } else {
+        layout.par_runs(
+            cells,
+            (p, x),
+            #[inline(always)]
+            |run, (p, x): (&mut [T], &mut [T])| {
+                let (z, last_z) = run.row(z).as_chunks::<BLOCK>();
+                let (p, last_p) = p.as_chunks_mut::<BLOCK>();
+                let (x, last_x) = x.as_chunks_mut::<BLOCK>();
+                let mut largest = Largest::default();
+                for ((z, p), x) in z.iter().zip(p).zip(x) {
+                    let (old, at) = (*p, *x);
+                    let new: [T; BLOCK] = array(
+                        #[inline(always)]
+                        |k| turn(z[k], old[k]),
+                    );
+                    let there: [T; BLOCK] = array(
+                        #[inline(always)]
+                        |k| go(new[k], at[k]),
+                    );
+                    (*p, *x) = (new, there);
+                    largest.take(&there);
+                }
+                for ((&z, p), x) in last_z.iter().zip(last_p).zip(&mut *last_x) {
+                    *p = turn(z, *p);
+                    *x = go(*p, *x);
+                }
+                Max(largest.end(last_x))
+            },
+        )
+    };
+    largest.0
 }

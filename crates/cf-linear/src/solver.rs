@@ -6,7 +6,8 @@ use crate::deflate::Deflation;
 use crate::engine::Engine;
 use crate::error::SolveError;
 use crate::helmholtz::Helmholtz;
-use crate::pcg::{Preconditioner, Vectors, largest};
+use crate::norms::largest;
+use crate::pcg::Vectors;
 use crate::plan::{Choice, Plan};
 use crate::stop::{Deviation, Statistics, Stop};
 use crate::task::{Goal, Rhs, Task, unit_of};
@@ -100,7 +101,7 @@ impl<T: Real, const D: usize> Solver<T, D> {
 
     /// Bytes held: vectors, hierarchy, stored coefficients.
     pub fn bytes(&self) -> usize {
-        let vectors = 4 + 2 * usize::from(self.correction.is_some());
+        let vectors = 2 + 2 * usize::from(self.correction.is_some());
         vectors * self.layout.slots() * size_of::<T>() + self.engine.bytes()
     }
 
@@ -108,16 +109,29 @@ impl<T: Real, const D: usize> Solver<T, D> {
     pub fn apply(&self, x: &mut [T], y: &mut [T]) {
         self.engine.operator().apply(x, y);
         let scale = self.scale;
-        self.layout.par_runs(self.layout.cells_region(), y, |_, row: &mut [T]| {
-            row.iter_mut().for_each(|v| *v = T::of(v.f64() * scale));
-        });
+        self.layout.par_runs(
+            self.layout.cells_region(),
+            y,
+            #[inline(always)]
+            |_, row: &mut [T]| {
+                row.iter_mut().for_each(|v| *v = T::of(v.f64() * scale));
+            },
+        );
     }
 
     /// z = M r, the preconditioner as an operator, for tests of its symmetry; the identity for plans without one.
     pub fn precondition(&mut self, r: &[T], z: &mut [T]) {
-        match self.engine.preconditioned() {
-            None => z.copy_from_slice(r),
-            Some((_, mut cycle)) => cycle.precondition(r, largest(&self.layout, r), z, &mut self.vectors.ap),
+        match &mut self.engine {
+            Engine::Plain(_) => z.copy_from_slice(r),
+            Engine::Same { multigrid, .. } => {
+                multigrid.split().1.run(r, 1.0, z, &Deflation::None);
+            }
+            Engine::Single { multigrid, z: single, .. } => {
+                let size = largest(&self.layout, r);
+                let unit = if size > 0.0 { size } else { 1.0 };
+                multigrid.split().1.run(r, 1.0 / unit, single, &Deflation::None);
+                self.layout.par_cells(z, |at| T::of(f64::from(single[at.slot()]) * unit));
+            }
         }
     }
 
@@ -155,25 +169,35 @@ impl<T: Real, const D: usize> Solver<T, D> {
         let [mut residual, mut dx] =
             self.correction.take().unwrap_or_else(|| [vec![T::ZERO; layout.slots()], vec![T::ZERO; layout.slots()]]);
         dx.copy_from_slice(x);
-        self.engine.operator().apply(&mut dx, &mut self.vectors.ap);
+        self.engine.operator().apply(&mut dx, &mut self.vectors.p);
         // A x may be out of the range of T, so that the residual is formed in f64 and stored in a unit of its own.
-        let (ap, scale) = (&self.vectors.ap[..], self.scale);
+        let (ap, scale) = (&self.vectors.p[..], self.scale);
         let at = |b: T, ap: T| b.f64() - scale * ap.f64();
-        let size: Max = layout.par_runs(cells, (), |run, ()| {
-            let pairs = run.row(b).iter().zip(run.row(ap));
-            match &self.fluid {
-                None => pairs.fold(Max(0.0), |m, (&b, &ap)| larger(m, at(b, ap))),
-                Some(fluid) => pairs
-                    .zip(run.row(fluid))
-                    .fold(Max(0.0), |m, ((&b, &ap), &fluid)| if fluid { larger(m, at(b, ap)) } else { m }),
-            }
-        });
+        let size: Max = layout.par_runs(
+            cells,
+            (),
+            #[inline(always)]
+            |run, ()| {
+                let pairs = run.row(b).iter().zip(run.row(ap));
+                match &self.fluid {
+                    None => pairs.fold(Max(0.0), |m, (&b, &ap)| larger(m, at(b, ap))),
+                    Some(fluid) => pairs
+                        .zip(run.row(fluid))
+                        .fold(Max(0.0), |m, ((&b, &ap), &fluid)| if fluid { larger(m, at(b, ap)) } else { m }),
+                }
+            },
+        );
         let unit = unit_of(size.0);
-        layout.par_runs(cells, &mut residual[..], |run, r: &mut [T]| {
-            for ((r, &b), &ap) in r.iter_mut().zip(run.row(b)).zip(run.row(ap)) {
-                *r = T::of(at(b, ap) / unit);
-            }
-        });
+        layout.par_runs(
+            cells,
+            &mut residual[..],
+            #[inline(always)]
+            |run, r: &mut [T]| {
+                for ((r, &b), &ap) in r.iter_mut().zip(run.row(b)).zip(run.row(ap)) {
+                    *r = T::of(at(b, ap) / unit);
+                }
+            },
+        );
         let goal = match stop {
             Stop::Largest(tolerance) => Goal::Largest(tolerance / unit),
             Stop::Relative(tolerance) => Goal::Two(tolerance * all / unit),
@@ -182,11 +206,16 @@ impl<T: Real, const D: usize> Solver<T, D> {
             self.run(&residual, &mut dx, goal).and_then(|deviation| {
                 let deviation = deviation.times(unit);
                 self.finish_checked(&mut dx, &deviation)?;
-                layout.par_runs(cells, &mut *x, |run, x: &mut [T]| {
-                    for (x, &dx) in x.iter_mut().zip(run.row(&dx)) {
-                        *x += dx;
-                    }
-                });
+                layout.par_runs(
+                    cells,
+                    &mut *x,
+                    #[inline(always)]
+                    |run, x: &mut [T]| {
+                        for (x, &dx) in x.iter_mut().zip(run.row(&dx)) {
+                            *x += dx;
+                        }
+                    },
+                );
                 self.engine.operator().wrap(x);
                 Ok(Statistics { rhs: all, ..deviation.statistics })
             })
@@ -205,7 +234,7 @@ impl<T: Real, const D: usize> Solver<T, D> {
 
     fn finish_checked(&self, y: &mut [T], deviation: &Deviation) -> Result<(), SolveError> {
         let constant = deviation.constants.iter().fold(0f64, |m, c| m.max(c.abs()));
-        let bound = T::of(largest(&self.layout, y) * deviation.factor + constant);
+        let bound = T::of(deviation.size * deviation.factor + constant);
         if !bound.is_finite() {
             return Err(SolveError::NotFinite { what: "solution", iterations: deviation.statistics.iterations });
         }
@@ -238,7 +267,7 @@ impl<T: Real, const D: usize> Solver<T, D> {
         if tolerance.is_nan() || tolerance < 0.0 {
             return Err(SolveError::Coefficient { name: "tolerance", value: tolerance });
         }
-        y.fill(T::ZERO);
+        layout.clear_rim(y);
         let mut rhs = Rhs::new(&layout, b, self.fluid.as_deref()).ok_or(NOT_FINITE_RHS)?;
         let start = rhs.load_deflated(&layout, &self.deflation, &mut self.vectors.r);
         let unit = rhs.unit;
@@ -261,14 +290,19 @@ impl<T: Real, const D: usize> Solver<T, D> {
         };
         let v = &mut self.vectors;
         let (iterations, reached) = if task.met(start) || task.at_floor(start) {
+            layout.par_cells(y, |_| T::ZERO);
             (0, start)
         } else {
             match self.choice.plan {
                 Plan::Diagonal => task.diagonal(self.engine.operator(), y, v),
-                Plan::Chebyshev => task.chebyshev(self.engine.operator(), y, v, start),
+                Plan::Chebyshev => {
+                    layout.par_cells(y, |_| T::ZERO);
+                    task.chebyshev(self.engine.operator(), y, v, start)
+                }
                 Plan::Multigrid => task.conjugate_gradients(&mut self.engine, y, v, start),
             }
         };
+
         if !(reached.two.is_finite() && reached.solution.is_finite()) {
             return Err(SolveError::NotFinite { what: "residual", iterations });
         }
@@ -284,7 +318,7 @@ impl<T: Real, const D: usize> Solver<T, D> {
             largest: reached.largest * unit,
             at_floor,
         };
-        Ok(Deviation { factor: unit / self.scale, constants, removed, statistics })
+        Ok(Deviation { factor: unit / self.scale, constants, removed, statistics, size: reached.solution })
     }
 }
 

@@ -5,7 +5,7 @@
 //! face and cell. Walls are faces whose outer neighbour is the rim, which holds zero; a closed wall has w_f = 0. Rim
 //! values along periodic axes are copies of the opposite side.
 
-use cf_grid::{Layout, Real, Run};
+use cf_grid::{Layout, Real, Run, array};
 
 use crate::axis::AxisTable;
 
@@ -18,17 +18,34 @@ pub(crate) struct Rows<'a, T, const D: usize> {
 impl<'a, T, const D: usize> Rows<'a, T, D> {
     #[inline(always)]
     pub fn of(run: &Run<'_, D>, x: &'a [T]) -> Self {
-        Self { low: std::array::from_fn(|a| run.low(a, x)), high: std::array::from_fn(|a| run.high(a, x)) }
+        Self {
+            low: array(
+                #[inline(always)]
+                |a| run.low(a, x),
+            ),
+            high: array(
+                #[inline(always)]
+                |a| run.high(a, x),
+            ),
+        }
     }
 }
 
 /// Row kernels of a level operator.
 pub(crate) trait Stencil<T: Real, const D: usize>: Sync {
-    /// out = A x on a run. `c` is the run with one more value at either end.
-    fn apply(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, out: &mut [T]);
+    /// out = f(A x, out) on a run. `c` is the run with one more value at either end.
+    fn apply(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, out: &mut [T], f: impl Fn(T, T) -> T + Copy);
 
     /// out_c = f(J_c, out_c), J_c = (b_c + Σ w_f x_n)/diagonal_c: the solution of each cell's own equation.
-    fn jacobi(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, b: &[T], out: &mut [T], f: impl Fn(T, T) -> T);
+    fn jacobi(
+        &self,
+        run: &Run<'_, D>,
+        c: &[T],
+        near: Rows<'_, T, D>,
+        b: &[T],
+        out: &mut [T],
+        f: impl Fn(T, T) -> T + Copy,
+    );
 
     /// Sets the cells of one colour, (sum of indices) % 2 == `colour`, to the solution of their own equation. `row` is
     /// the padded row of the level: cell `i` is `row[i + 1]`.
@@ -56,29 +73,40 @@ struct RowWeights<T, const D: usize> {
 }
 
 impl<const D: usize> BoxStencil<D> {
+    #[inline(always)]
     fn row_weights<T: Real>(&self, run: &Run<'_, D>) -> RowWeights<T, D> {
         let inner = self.axes[0].width[0];
-        let area: f64 = (1..D).map(|a| self.axes[a].width[run.cell[a]]).product();
-        let cut = |a: usize, i: usize| {
-            let others = (1..D).filter(|&o| o != a).map(|o| self.axes[o].width[run.cell[o]]);
-            self.axes[a].face[i] * inner * others.product::<f64>()
-        };
-        let low: [f64; D] = std::array::from_fn(|a| if a == 0 { 0.0 } else { cut(a, run.cell[a]) });
-        let high: [f64; D] = std::array::from_fn(|a| if a == 0 { 0.0 } else { cut(a, run.cell[a] + 1) });
+        let (mut low, mut high, mut area) = ([0.0; D], [0.0; D], 1.0);
+        for a in 1..D {
+            let mut across = inner;
+            for o in (1..D).filter(|&o| o != a) {
+                across *= self.axes[o].width[run.cell[o]];
+            }
+            let face = &self.axes[a].face;
+            (low[a], high[a]) = (face[run.cell[a]] * across, face[run.cell[a] + 1] * across);
+            area *= self.axes[a].width[run.cell[a]];
+        }
         let mass = self.alpha * inner * area;
         let x = self.axes[0].face.get(1).copied().unwrap_or(0.0) * area;
         let sides: f64 = low.iter().chain(&high).sum();
         RowWeights {
             mass: T::of(mass),
             x: T::of(x),
-            low: low.map(T::of),
-            high: high.map(T::of),
+            low: array(
+                #[inline(always)]
+                |a| T::of(low[a]),
+            ),
+            high: array(
+                #[inline(always)]
+                |a| T::of(high[a]),
+            ),
             diagonal: mass + sides,
             area,
         }
     }
 
     /// Cells whose two x faces and width are those of the bulk.
+    #[inline(always)]
     fn inner(&self, run: &Run<'_, D>) -> std::ops::Range<usize> {
         let n = self.axes[0].len();
         let (from, to) = (run.cell[0].max(1), (run.cell[0] + run.len()).min(n.saturating_sub(2)));
@@ -115,66 +143,121 @@ impl<const D: usize> BoxStencil<D> {
     }
 }
 
+/// out = f(value, out) for a whole run. `bulk` writes the values of some entries from one on, as of cells whose
+/// coefficients are those of the bulk; `end` gives that of the first and the last two cells of a row, by index and entry.
+#[inline(always)]
+fn each<T: Real, const D: usize>(
+    run: &Run<'_, D>,
+    n: usize,
+    out: &mut [T],
+    f: impl Fn(T, T) -> T,
+    bulk: impl Fn(usize, &mut [T]),
+    end: impl Fn(usize, usize) -> T,
+) {
+    let first = run.cell[0];
+    let mut values = [T::ZERO; CHUNK];
+    for from in (0..run.len()).step_by(CHUNK) {
+        let to = (from + CHUNK).min(run.len());
+        let values = &mut values[..to - from];
+        bulk(from, values);
+        for i in [0, n.saturating_sub(2), n - 1] {
+            if (first + from..first + to).contains(&i) {
+                values[i - first - from] = end(i, i - first);
+            }
+        }
+        for (out, &value) in out[from..to].iter_mut().zip(&*values) {
+            *out = f(value, *out);
+        }
+    }
+}
+
 impl<T: Real, const D: usize> Stencil<T, D> for BoxStencil<D> {
-    #[inline]
-    fn apply(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, out: &mut [T]) {
+    #[inline(always)]
+    fn apply(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, out: &mut [T], f: impl Fn(T, T) -> T + Copy) {
         let w = self.row_weights::<T>(run);
-        let first = run.cell[0];
-        let inner = self.inner(run);
-        let edge = |i: usize, out: &mut [T]| {
-            let (scale, wl, wr) = self.edge(i, w.area);
-            let (scale, wl, wr) = (T::of(scale), T::of(wl), T::of(wr));
-            let t = i - first;
-            let x = c[t + 1];
-            let mut sides = w.mass * x;
-            for a in 1..D {
-                sides += w.low[a] * (x - near.low[a][t]) + w.high[a] * (x - near.high[a][t]);
-            }
-            out[t] = scale * sides + (wl * (x - c[t]) + wr * (x - c[t + 2]));
-        };
-        for i in (first..inner.start).chain(inner.end.max(first)..first + run.len()) {
-            edge(i, out);
-        }
-        let (t, n) = (inner.start - first, inner.len());
-        let (l, x, r) = (&c[t..t + n], &c[t + 1..t + 1 + n], &c[t + 2..t + 2 + n]);
-        let low: [&[T]; D] = std::array::from_fn(|a| &near.low[a][t..t + n]);
-        let high: [&[T]; D] = std::array::from_fn(|a| &near.high[a][t..t + n]);
-        let out = &mut out[t..t + n];
-        for i in 0..n {
-            let v = x[i];
-            let mut sides = w.mass * v;
-            for a in 1..D {
-                sides += w.low[a] * (v - low[a][i]) + w.high[a] * (v - high[a][i]);
-            }
-            out[i] = sides + w.x * ((v - l[i]) + (v - r[i]));
-        }
+        each(
+            run,
+            self.axes[0].len(),
+            out,
+            f,
+            #[inline(always)]
+            |t, values| {
+                let n = values.len();
+                let (l, x, r) = (&c[t..t + n], &c[t + 1..t + 1 + n], &c[t + 2..t + 2 + n]);
+                let low: [&[T]; D] = array(
+                    #[inline(always)]
+                    |a| &near.low[a][t..t + n],
+                );
+                let high: [&[T]; D] = array(
+                    #[inline(always)]
+                    |a| &near.high[a][t..t + n],
+                );
+                for i in 0..n {
+                    let v = x[i];
+                    let mut sides = w.mass * v;
+                    for a in 1..D {
+                        sides += w.low[a] * (v - low[a][i]) + w.high[a] * (v - high[a][i]);
+                    }
+                    values[i] = sides + w.x * ((v - l[i]) + (v - r[i]));
+                }
+            },
+            #[inline(always)]
+            |i, t| {
+                let (scale, wl, wr) = self.edge(i, w.area);
+                let (scale, wl, wr) = (T::of(scale), T::of(wl), T::of(wr));
+                let x = c[t + 1];
+                let mut sides = w.mass * x;
+                for a in 1..D {
+                    sides += w.low[a] * (x - near.low[a][t]) + w.high[a] * (x - near.high[a][t]);
+                }
+                scale * sides + (wl * (x - c[t]) + wr * (x - c[t + 2]))
+            },
+        );
     }
 
-    #[inline]
-    fn jacobi(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, b: &[T], out: &mut [T], f: impl Fn(T, T) -> T) {
+    #[inline(always)]
+    fn jacobi(
+        &self,
+        run: &Run<'_, D>,
+        c: &[T],
+        near: Rows<'_, T, D>,
+        b: &[T],
+        out: &mut [T],
+        f: impl Fn(T, T) -> T + Copy,
+    ) {
         let w = self.row_weights::<T>(run);
-        let first = run.cell[0];
-        let inner = self.inner(run);
-        for i in (first..inner.start).chain(inner.end.max(first)..first + run.len()) {
-            let t = i - first;
-            out[t] = f(self.own_solution(&w, i, t, b[t], c[t], c[t + 2], &near), out[t]);
-        }
         let inverse = T::of(1.0 / (w.diagonal + 2.0 * w.x.f64()));
-        let (t, n) = (inner.start - first, inner.len());
-        let (l, r, b) = (&c[t..t + n], &c[t + 2..t + 2 + n], &b[t..t + n]);
-        let low: [&[T]; D] = std::array::from_fn(|a| &near.low[a][t..t + n]);
-        let high: [&[T]; D] = std::array::from_fn(|a| &near.high[a][t..t + n]);
-        let out = &mut out[t..t + n];
-        for i in 0..n {
-            let mut sum = b[i] + w.x * (l[i] + r[i]);
-            for a in 1..D {
-                sum += w.low[a] * low[a][i] + w.high[a] * high[a][i];
-            }
-            out[i] = f(inverse * sum, out[i]);
-        }
+        each(
+            run,
+            self.axes[0].len(),
+            out,
+            f,
+            #[inline(always)]
+            |t, values| {
+                let n = values.len();
+                let (l, r, b) = (&c[t..t + n], &c[t + 2..t + 2 + n], &b[t..t + n]);
+                let low: [&[T]; D] = array(
+                    #[inline(always)]
+                    |a| &near.low[a][t..t + n],
+                );
+                let high: [&[T]; D] = array(
+                    #[inline(always)]
+                    |a| &near.high[a][t..t + n],
+                );
+                for i in 0..n {
+                    let mut sum = b[i] + w.x * (l[i] + r[i]);
+                    for a in 1..D {
+                        sum += w.low[a] * low[a][i] + w.high[a] * high[a][i];
+                    }
+                    values[i] = inverse * sum;
+                }
+            },
+            #[inline(always)]
+            |i, t| self.own_solution(&w, i, t, b[t], c[t], c[t + 2], &near),
+        );
     }
 
-    #[inline]
+    #[inline(always)]
     fn relax(&self, run: &Run<'_, D>, row: &mut [T], near: Rows<'_, T, D>, b: &[T], colour: usize) {
         let w = self.row_weights::<T>(run);
         let first = run.cell[0];
@@ -240,31 +323,52 @@ impl<T: Real, const D: usize> StoredStencil<T, D> {
 }
 
 impl<T: Real, const D: usize> Stencil<T, D> for StoredStencil<T, D> {
-    #[inline]
-    fn apply(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, out: &mut [T]) {
+    #[inline(always)]
+    fn apply(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, out: &mut [T], f: impl Fn(T, T) -> T + Copy) {
         let n = run.len();
         let mass = run.row(&self.mass);
         let (xl, xr) = (run.row(&self.face[0]), run.high(0, &self.face[0]));
-        let wl: [&[T]; D] = std::array::from_fn(|a| run.row(&self.face[a]));
-        let wh: [&[T]; D] = std::array::from_fn(|a| run.high(a, &self.face[a]));
+        let wl: [&[T]; D] = array(
+            #[inline(always)]
+            |a| run.row(&self.face[a]),
+        );
+        let wh: [&[T]; D] = array(
+            #[inline(always)]
+            |a| run.high(a, &self.face[a]),
+        );
         let (low, high) = (near.low, near.high);
         let (l, x, r) = (&c[..n], &c[1..n + 1], &c[2..n + 2]);
+        let out = &mut out[..n];
         for i in 0..n {
             let v = x[i];
             let mut sum = mass[i] * v;
             for a in 1..D {
                 sum += wl[a][i] * (v - low[a][i]) + wh[a][i] * (v - high[a][i]);
             }
-            out[i] = sum + (xl[i] * (v - l[i]) + xr[i] * (v - r[i]));
+            out[i] = f(sum + (xl[i] * (v - l[i]) + xr[i] * (v - r[i])), out[i]);
         }
     }
 
-    #[inline]
-    fn jacobi(&self, run: &Run<'_, D>, c: &[T], near: Rows<'_, T, D>, b: &[T], out: &mut [T], f: impl Fn(T, T) -> T) {
+    #[inline(always)]
+    fn jacobi(
+        &self,
+        run: &Run<'_, D>,
+        c: &[T],
+        near: Rows<'_, T, D>,
+        b: &[T],
+        out: &mut [T],
+        f: impl Fn(T, T) -> T + Copy,
+    ) {
         let n = run.len();
         let (xl, xr) = (run.row(&self.face[0]), run.high(0, &self.face[0]));
-        let wl: [&[T]; D] = std::array::from_fn(|a| run.row(&self.face[a]));
-        let wh: [&[T]; D] = std::array::from_fn(|a| run.high(a, &self.face[a]));
+        let wl: [&[T]; D] = array(
+            #[inline(always)]
+            |a| run.row(&self.face[a]),
+        );
+        let wh: [&[T]; D] = array(
+            #[inline(always)]
+            |a| run.high(a, &self.face[a]),
+        );
         let (inverse, b) = (run.row(&self.inverse), &b[..n]);
         let (l, r) = (&c[..n], &c[2..n + 2]);
         let out = &mut out[..n];
@@ -277,12 +381,18 @@ impl<T: Real, const D: usize> Stencil<T, D> for StoredStencil<T, D> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn relax(&self, run: &Run<'_, D>, row: &mut [T], near: Rows<'_, T, D>, b: &[T], colour: usize) {
         let n = run.len();
         let (xl, xr) = (run.row(&self.face[0]), run.high(0, &self.face[0]));
-        let wl: [&[T]; D] = std::array::from_fn(|a| run.row(&self.face[a]));
-        let wh: [&[T]; D] = std::array::from_fn(|a| run.high(a, &self.face[a]));
+        let wl: [&[T]; D] = array(
+            #[inline(always)]
+            |a| run.row(&self.face[a]),
+        );
+        let wh: [&[T]; D] = array(
+            #[inline(always)]
+            |a| run.high(a, &self.face[a]),
+        );
         let inverse = run.row(&self.inverse);
         let (low, high) = (near.low, near.high);
         let (b, first) = (&b[..n], run.cell[0]);

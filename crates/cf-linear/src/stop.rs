@@ -37,6 +37,8 @@ pub struct Deviation {
     pub removed: Vec<f64>,
     /// What the solve did.
     pub statistics: Statistics,
+    /// max|y|.
+    pub size: f64,
 }
 
 impl Deviation {

@@ -1,12 +1,14 @@
 //! One solve in unit size: A/scale · y = b/unit - means, whichever way the plan goes.
 
-use cf_grid::{Layout, Max, Real, row_dot};
+use cf_grid::{Layout, Max, Real, Run};
 
 use crate::chebyshev;
 use crate::deflate::Deflation;
 use crate::engine::Engine;
 use crate::level::LevelOperator;
-use crate::pcg::{self, Norms, Vectors, row_largest};
+use crate::multigrid::Cycle;
+use crate::norms::{Norms, norms, residual_norms, row_largest};
+use crate::pcg::{self, Vectors};
 
 /// When a solve is done, in the units of the caller.
 #[derive(Debug, Clone, Copy)]
@@ -43,50 +45,111 @@ pub(crate) struct Rhs<'a, T> {
     pub unit: f64,
     /// Means of the scaled right-hand side, by component.
     pub means: Vec<f64>,
+    /// Sum of b, where it is known and finite.
+    sum: Option<f64>,
 }
 
 impl<'a, T: Real> Rhs<'a, T> {
     /// Chooses the unit; `None` if a value is not finite.
     pub fn new<const D: usize>(layout: &Layout<D>, b: &'a [T], fluid: Option<&'a [bool]>) -> Option<Self> {
-        let largest = match fluid {
-            None => pcg::largest(layout, b),
+        let (sum, largest) = match fluid {
+            None => {
+                let (sum, largest): (f64, Max) = layout.par_runs(
+                    layout.cells_region(),
+                    (),
+                    #[inline(always)]
+                    |run, ()| {
+                        let (_, sum, largest) = residual_norms(run.row(b));
+                        (sum, largest)
+                    },
+                );
+                (Some(sum).filter(|s| s.is_finite()), largest.0)
+            }
             Some(fluid) => {
-                let largest: Max = layout.par_runs(layout.cells_region(), (), |run, ()| {
-                    let values = run.row(b).iter().zip(run.row(fluid)).filter(|(_, f)| **f);
-                    values.fold(Max(0.0), |m, (v, _)| cf_grid::Reduce::merge(m, Max(v.f64().abs())))
-                });
-                largest.0
+                let largest: Max = layout.par_runs(
+                    layout.cells_region(),
+                    (),
+                    #[inline(always)]
+                    |run, ()| {
+                        let values = run.row(b).iter().zip(run.row(fluid)).filter(|(_, f)| **f);
+                        values.fold(Max(0.0), |m, (v, _)| cf_grid::Reduce::merge(m, Max(v.f64().abs())))
+                    },
+                );
+                (None, largest.0)
             }
         };
-        largest.is_finite().then(|| Self { b, fluid, unit: unit_of(largest), means: Vec::new() })
+        largest.is_finite().then(|| Self { b, fluid, unit: unit_of(largest), means: Vec::new(), sum })
+    }
+
+    /// Writes a row of it; the mean of a whole box is left out, rounded once.
+    #[inline(always)]
+    fn fill<const D: usize>(&self, deflation: &Deflation, run: &Run<'_, D>, r: &mut [T]) {
+        let inverse = 1.0 / self.unit;
+        let whole = if let (Deflation::Whole, [mean]) = (deflation, &self.means[..]) { *mean } else { 0.0 };
+        for (r, &b) in r.iter_mut().zip(run.row(self.b)) {
+            *r = T::of(b.f64() * inverse - whole);
+        }
+        if let Some(fluid) = self.fluid {
+            for (r, &fluid) in r.iter_mut().zip(run.row(fluid)) {
+                *r = if fluid { *r } else { T::ZERO };
+            }
+        }
     }
 
     /// Writes it to `r`; `self.means` are left out.
-    fn load<const D: usize>(&self, layout: &Layout<D>, deflation: &Deflation, r: &mut [T]) {
-        let inverse = 1.0 / self.unit;
-        layout.par_runs(layout.cells_region(), &mut *r, |run, r: &mut [T]| {
-            for (r, &b) in r.iter_mut().zip(run.row(self.b)) {
-                *r = T::of(b.f64() * inverse);
-            }
-            if let Some(fluid) = self.fluid {
-                for (r, &fluid) in r.iter_mut().zip(run.row(fluid)) {
-                    *r = if fluid { *r } else { T::ZERO };
-                }
-            }
-        });
-        let negative: Vec<f64> = self.means.iter().map(|m| -m).collect();
-        deflation.shift(layout, r, &negative);
+    pub fn load<const D: usize>(&self, layout: &Layout<D>, deflation: &Deflation, r: &mut [T]) -> Norms {
+        let (square, sum, largest): (f64, f64, Max) = layout.par_runs(
+            layout.cells_region(),
+            &mut *r,
+            #[inline(always)]
+            |run, r: &mut [T]| {
+                self.fill(deflation, &run, r);
+                residual_norms(r)
+            },
+        );
+        if let Deflation::Components(_) = deflation {
+            let negative: Vec<f64> = self.means.iter().map(|m| -m).collect();
+            deflation.shift(layout, r, &negative);
+        }
+        Norms { two: square.sqrt(), largest: largest.0, sum, solution: 0.0 }
     }
 
     /// Writes it to `r` after taking the means out of it.
     pub fn load_deflated<const D: usize>(&mut self, layout: &Layout<D>, deflation: &Deflation, r: &mut [T]) -> Norms {
-        self.load(layout, deflation, r);
-        self.means = deflation.project(layout, r);
-        // Twice: the second mean is what rounding left of the first.
-        for (m, left) in self.means.iter_mut().zip(deflation.project(layout, r)) {
-            *m += left;
+        match deflation {
+            Deflation::None => self.load(layout, deflation, r),
+            Deflation::Whole => {
+                let inverse = 1.0 / self.unit;
+                let sum = self.sum.map_or_else(
+                    || {
+                        layout.par_runs(
+                            layout.cells_region(),
+                            (),
+                            #[inline(always)]
+                            |run, ()| scaled_sum(run.row(self.b), inverse),
+                        )
+                    },
+                    |sum| sum * inverse,
+                );
+                self.means = vec![sum / layout.count() as f64];
+                let loaded = self.load(layout, deflation, r);
+                // Rounding leaves a mean where the constant is far larger than the rest.
+                if loaded.sum.abs() <= f64::EPSILON * loaded.largest * layout.count() as f64 {
+                    return loaded;
+                }
+                self.means[0] += deflation.project(layout, r)[0];
+                norms(layout, r)
+            }
+            Deflation::Components(_) => {
+                self.load(layout, deflation, r);
+                self.means = deflation.project(layout, r);
+                // Twice: the second mean is what rounding left of the first.
+                for (m, left) in self.means.iter_mut().zip(deflation.project(layout, r)) {
+                    *m += left;
+                }
+                norms(layout, r)
+            }
         }
-        norms(layout, r)
     }
 
     /// Largest constant that was taken out.
@@ -95,18 +158,22 @@ impl<'a, T: Real> Rhs<'a, T> {
     }
 }
 
+/// Sum of scale · b: b itself may add up to infinity.
+fn scaled_sum<T: Real>(b: &[T], scale: f64) -> f64 {
+    let mut lanes = [0.0; 8];
+    let chunks = b.chunks_exact(8);
+    let tail: f64 = chunks.remainder().iter().map(|v| v.f64() * scale).sum();
+    for c in chunks {
+        for (lane, v) in lanes.iter_mut().zip(c) {
+            *lane += v.f64() * scale;
+        }
+    }
+    lanes.iter().sum::<f64>() + tail
+}
+
 /// The largest power of two that is at most `largest`, within the range whose inverse is finite.
 pub(crate) fn unit_of(largest: f64) -> f64 {
     if largest > 0.0 { 2f64.powi((largest.log2().floor() as i32).clamp(-1022, 1023)) } else { 1.0 }
-}
-
-/// Norms of a residual whose solution is zero.
-pub(crate) fn norms<T: Real, const D: usize>(layout: &Layout<D>, r: &[T]) -> Norms {
-    let (square, largest): (f64, Max) = layout.par_runs(layout.cells_region(), (), |run, ()| {
-        let r = run.row(r);
-        (row_dot(r, r), Max(row_largest(r)))
-    });
-    Norms { two: square.sqrt(), largest: largest.0, solution: 0.0 }
 }
 
 /// A loaded right-hand side with everything that says how far to go.
@@ -166,12 +233,17 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
     pub fn diagonal(&self, operator: &LevelOperator<T, D>, y: &mut [T], v: &mut Vectors<T>) -> (usize, Norms) {
         let gain = T::of(1.0 / self.alpha);
         let r = &v.r[..];
-        self.layout.par_runs(self.layout.cells_region(), &mut *y, |run, y: &mut [T]| {
-            for (y, &r) in y.iter_mut().zip(run.row(r)) {
-                *y = gain * r;
-            }
-        });
-        (0, self.residual(operator, y, v))
+        self.layout.par_runs(
+            self.layout.cells_region(),
+            &mut *y,
+            #[inline(always)]
+            |run, y: &mut [T]| {
+                for (y, &r) in y.iter_mut().zip(run.row(r)) {
+                    *y = gain * r;
+                }
+            },
+        );
+        (0, self.residual(operator, y, &v.r))
     }
 
     pub fn chebyshev(
@@ -194,7 +266,7 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
             count = count.min(limit - total);
             omega = chebyshev::iterate(operator, &v.r, y, &mut v.p, radius, omega, count);
             total += count;
-            reached = self.residual(operator, y, v);
+            reached = self.residual(operator, y, &v.r);
             let now = self.measure(reached);
             idle = if now < 0.9 * best { 0 } else { idle + 1 };
             best = best.min(now);
@@ -215,28 +287,90 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
         v: &mut Vectors<T>,
         start: Norms,
     ) -> (usize, Norms) {
+        match engine {
+            Engine::Plain(_) => (0, start),
+            Engine::Same { multigrid, z } => {
+                let (operator, mut cycle) = multigrid.split();
+                self.restarted(operator, &mut cycle, z, y, v, start)
+            }
+            Engine::Single { multigrid, operator, z } => {
+                let (_, mut cycle) = multigrid.split();
+                self.restarted(operator, &mut cycle, z, y, v, start)
+            }
+        }
+    }
+
+    fn restarted<Z: Real>(
+        &self,
+        operator: &LevelOperator<T, D>,
+        cycle: &mut Cycle<'_, Z, D>,
+        z: &mut [Z],
+        y: &mut [T],
+        v: &mut Vectors<T>,
+        start: Norms,
+    ) -> (usize, Norms) {
         let (mut total, mut reached) = (0, start);
-        for _ in 0..RESTARTS {
-            let Some((operator, mut preconditioner)) = engine.preconditioned() else { break };
+        for restart in 0..RESTARTS {
             let done = |n: Norms| self.met(n) || self.hopeless(n) || !n.two.is_finite();
             let left = self.limit.saturating_sub(total);
-            total += pcg::iterate(operator, &mut preconditioner, self.deflation, y, v, reached, done, left);
-            self.rhs.load(&self.layout, self.deflation, &mut v.r);
-            let before = std::mem::replace(&mut reached, self.residual(operator, y, v));
+            let (alpha, deflation) = (self.alpha, self.deflation);
+            let fresh = restart == 0;
+            let made = pcg::iterate(operator, cycle, deflation, alpha, y, fresh, v, z, reached, done, left);
+            if fresh && made == 0 {
+                self.layout.par_cells(y, |_| T::ZERO);
+            }
+            total += made;
+            let before = std::mem::replace(&mut reached, self.true_residual(operator, y, v));
             if self.met(reached) || total >= self.limit || !self.halved(before, reached) {
                 break;
             }
-            std::mem::swap(&mut v.r, &mut v.ap);
-            self.deflation.project(&self.layout, &mut v.r);
+            self.rhs.load(&self.layout, deflation, &mut v.r);
+            operator.sweep(
+                y,
+                &mut v.r,
+                #[inline(always)]
+                |ay, b| b - ay,
+                |_, _| (),
+            );
+            deflation.project(&self.layout, &mut v.r);
+            reached = Norms { solution: reached.solution, ..norms(&self.layout, &v.r) };
         }
         (total, reached)
     }
 
-    /// Norms of the residual of y; `v.r` holds the right-hand side, the residual goes to `v.ap`.
-    fn residual(&self, operator: &LevelOperator<T, D>, y: &mut [T], v: &mut Vectors<T>) -> Norms {
-        operator.residual(&v.r, y, &mut v.ap);
-        Norms { solution: pcg::largest(&self.layout, y), ..norms(&self.layout, &v.ap) }
+    /// Norms of the residual of y, from the right-hand side itself.
+    fn true_residual(&self, operator: &LevelOperator<T, D>, y: &mut [T], v: &mut Vectors<T>) -> Norms {
+        if let Deflation::Components(_) = self.deflation {
+            self.rhs.load(&self.layout, self.deflation, &mut v.r);
+            return self.residual(operator, y, &v.r);
+        }
+        self.norms_of(operator.deficit(
+            y,
+            #[inline(always)]
+            |run, r| self.rhs.fill(self.deflation, run, r),
+            measure,
+        ))
     }
+
+    /// Norms of b - A y.
+    fn residual(&self, operator: &LevelOperator<T, D>, y: &mut [T], b: &[T]) -> Norms {
+        self.norms_of(operator.deficit(
+            y,
+            #[inline(always)]
+            |run, r| r.copy_from_slice(run.row(b)),
+            measure,
+        ))
+    }
+
+    fn norms_of(&self, ((square, sum, largest), solution): ((f64, f64, Max), Max)) -> Norms {
+        Norms { two: square.sqrt(), largest: largest.0, sum, solution: solution.0 }
+    }
+}
+
+/// What norms take from a row of a solution and its residual.
+#[inline(always)]
+fn measure<T: Real>(y: &[T], r: &[T]) -> ((f64, f64, Max), Max) {
+    (residual_norms(r), Max(row_largest(y)))
 }
 
 /// Times PCG goes on from the true residual.

@@ -90,11 +90,16 @@ impl<T: Real, const D: usize> Transfer<T, D> {
     /// The first part of Pᵀ, before the rim is wrapped: over obstacles `fine` is multiplied by the scale of its rows.
     pub fn weigh(&self, fine: &mut [T]) {
         if let Some(scale) = &self.renormalise {
-            self.fine.par_runs(self.fine.cells_region(), fine, |run, row: &mut [T]| {
-                for (v, &s) in row.iter_mut().zip(run.row(scale)) {
-                    *v *= s;
-                }
-            });
+            self.fine.par_runs(
+                self.fine.cells_region(),
+                fine,
+                #[inline(always)]
+                |run, row: &mut [T]| {
+                    for (v, &s) in row.iter_mut().zip(run.row(scale)) {
+                        *v *= s;
+                    }
+                },
+            );
         }
     }
 
@@ -102,46 +107,52 @@ impl<T: Real, const D: usize> Transfer<T, D> {
     pub fn restrict(&self, fine: &[T], coarse: &mut [T]) {
         let x = &self.axes[0];
         let n = self.fine.cells()[0];
-        self.coarse.par_runs(self.coarse.cells_region(), coarse, |run, out: &mut [T]| {
-            let m = run.len();
-            let mut sum = [T::ZERO; 2 * CHUNK + 2];
-            let mut start = 0;
-            while start < m {
-                let count = CHUNK.min(m - start);
-                // Fine cells 2·start - 1 ..= 2·(start + count), as far as they exist (the rim counts).
-                let first = if x.coarsened { 2 * start as isize - 1 } else { start as isize };
-                let len = if x.coarsened { (2 * count + 2).min((n as isize + 1 - first) as usize) } else { count };
-                let sum = &mut sum[..];
-                sum.fill(T::ZERO);
-                for (mut index, weight) in self.targets(run.cell) {
-                    index[0] = first;
-                    let from = Self::slot(&self.fine, index);
-                    let weight = T::of(weight);
-                    for (s, &v) in sum[..len].iter_mut().zip(&fine[from..from + len]) {
-                        *s += weight * v;
-                    }
-                }
-                for (k, out) in out[start..start + count].iter_mut().enumerate() {
-                    let coarse = start + k;
-                    *out = if !x.coarsened {
-                        T::of(x.own[coarse]) * sum[k]
-                    } else if coarse > 0 && 2 * coarse + 4 < n {
-                        T::of(0.25) * (sum[2 * k] + sum[2 * k + 3]) + T::of(0.75) * (sum[2 * k + 1] + sum[2 * k + 2])
-                    } else {
-                        let mut total = T::ZERO;
-                        for which in 0..4 {
-                            let i = 2 * coarse as isize - 1 + which;
-                            let weight = self.weight_of(0, i, n, which);
-                            if weight != 0.0 {
-                                total += T::of(weight) * sum[2 * k + which as usize];
-                            }
+        self.coarse.par_runs(
+            self.coarse.cells_region(),
+            coarse,
+            #[inline(always)]
+            |run, out: &mut [T]| {
+                let m = run.len();
+                let mut sum = [T::ZERO; 2 * CHUNK + 2];
+                let mut start = 0;
+                while start < m {
+                    let count = CHUNK.min(m - start);
+                    // Fine cells 2·start - 1 ..= 2·(start + count), as far as they exist (the rim counts).
+                    let first = if x.coarsened { 2 * start as isize - 1 } else { start as isize };
+                    let len = if x.coarsened { (2 * count + 2).min((n as isize + 1 - first) as usize) } else { count };
+                    let sum = &mut sum[..];
+                    sum.fill(T::ZERO);
+                    for (mut index, weight) in self.targets(run.cell) {
+                        index[0] = first;
+                        let from = Self::slot(&self.fine, index);
+                        let weight = T::of(weight);
+                        for (s, &v) in sum[..len].iter_mut().zip(&fine[from..from + len]) {
+                            *s += weight * v;
                         }
-                        total
-                    };
+                    }
+                    for (k, out) in out[start..start + count].iter_mut().enumerate() {
+                        let coarse = start + k;
+                        *out = if !x.coarsened {
+                            T::of(x.own[coarse]) * sum[k]
+                        } else if coarse > 0 && 2 * coarse + 4 < n {
+                            T::of(0.25) * (sum[2 * k] + sum[2 * k + 3])
+                                + T::of(0.75) * (sum[2 * k + 1] + sum[2 * k + 2])
+                        } else {
+                            let mut total = T::ZERO;
+                            for which in 0..4 {
+                                let i = 2 * coarse as isize - 1 + which;
+                                let weight = self.weight_of(0, i, n, which);
+                                if weight != 0.0 {
+                                    total += T::of(weight) * sum[2 * k + which as usize];
+                                }
+                            }
+                            total
+                        };
+                    }
+                    start += count;
                 }
-                start += count;
-            }
-        });
+            },
+        );
     }
 
     /// fine += P coarse. `coarse`'s rim must be wrapped along periodic axes.
@@ -150,46 +161,51 @@ impl<T: Real, const D: usize> Transfer<T, D> {
         let (n, m) = (self.fine.cells()[0], self.coarse.cells()[0]);
         let children = if x.coarsened { 2 } else { 1 };
         let (near, far) = (T::of(0.75), T::of(0.25));
-        self.fine.par_runs(self.fine.cells_region(), fine, |run, out: &mut [T]| {
-            let scale = self.renormalise.as_deref().map(|s| run.row(s));
-            let (mut sum, mut values) = ([T::ZERO; CHUNK + 2], [T::ZERO; 2 * CHUNK]);
-            let mut start = 0;
-            while start < m {
-                let count = CHUNK.min(m - start);
-                let sum = &mut sum[..count + 2];
-                sum.fill(T::ZERO);
-                for (mut index, weight) in self.sources(run.cell) {
-                    index[0] = start as isize - 1;
-                    let from = Self::slot(&self.coarse, index);
-                    let weight = T::of(weight);
-                    for (s, &v) in sum.iter_mut().zip(&coarse[from..from + count + 2]) {
-                        *s += weight * v;
+        self.fine.par_runs(
+            self.fine.cells_region(),
+            fine,
+            #[inline(always)]
+            |run, out: &mut [T]| {
+                let scale = self.renormalise.as_deref().map(|s| run.row(s));
+                let (mut sum, mut values) = ([T::ZERO; CHUNK + 2], [T::ZERO; 2 * CHUNK]);
+                let mut start = 0;
+                while start < m {
+                    let count = CHUNK.min(m - start);
+                    let sum = &mut sum[..count + 2];
+                    sum.fill(T::ZERO);
+                    for (mut index, weight) in self.sources(run.cell) {
+                        index[0] = start as isize - 1;
+                        let from = Self::slot(&self.coarse, index);
+                        let weight = T::of(weight);
+                        for (s, &v) in sum.iter_mut().zip(&coarse[from..from + count + 2]) {
+                            *s += weight * v;
+                        }
                     }
-                }
-                let (first, last) = (children * start, (children * (start + count)).min(n));
-                let values = &mut values[..last - first];
-                let inner = if x.coarsened { self.inner(start, count) } else { start..start };
-                let parents = sum[inner.start - start..inner.end - start + 2].windows(3);
-                let pairs = values[children * (inner.start - start)..].chunks_exact_mut(2);
-                for (pair, c) in pairs.zip(parents) {
-                    pair[0] = near * c[1] + far * c[0];
-                    pair[1] = near * c[1] + far * c[2];
-                }
-                for i in (first..children * inner.start).chain(children * inner.end..last) {
-                    let k = i / children - start + 1;
-                    let neighbour = if i % 2 == 1 { k + 1 } else { k - 1 };
-                    values[i - first] = T::of(x.own[i]) * sum[k];
-                    if x.other[i] != 0.0 {
-                        values[i - first] += T::of(x.other[i]) * sum[neighbour];
+                    let (first, last) = (children * start, (children * (start + count)).min(n));
+                    let values = &mut values[..last - first];
+                    let inner = if x.coarsened { self.inner(start, count) } else { start..start };
+                    let parents = sum[inner.start - start..inner.end - start + 2].windows(3);
+                    let pairs = values[children * (inner.start - start)..].chunks_exact_mut(2);
+                    for (pair, c) in pairs.zip(parents) {
+                        pair[0] = near * c[1] + far * c[0];
+                        pair[1] = near * c[1] + far * c[2];
                     }
+                    for i in (first..children * inner.start).chain(children * inner.end..last) {
+                        let k = i / children - start + 1;
+                        let neighbour = if i % 2 == 1 { k + 1 } else { k - 1 };
+                        values[i - first] = T::of(x.own[i]) * sum[k];
+                        if x.other[i] != 0.0 {
+                            values[i - first] += T::of(x.other[i]) * sum[neighbour];
+                        }
+                    }
+                    if let Some(scale) = scale {
+                        values.iter_mut().zip(&scale[first..last]).for_each(|(v, &s)| *v *= s);
+                    }
+                    out[first..last].iter_mut().zip(&*values).for_each(|(out, &v)| *out += v);
+                    start += count;
                 }
-                if let Some(scale) = scale {
-                    values.iter_mut().zip(&scale[first..last]).for_each(|(v, &s)| *v *= s);
-                }
-                out[first..last].iter_mut().zip(&*values).for_each(|(out, &v)| *out += v);
-                start += count;
-            }
-        });
+            },
+        );
     }
 
     /// Those of `count` coarse cells from `start` on whose children have the weights 3/4 and 1/4.

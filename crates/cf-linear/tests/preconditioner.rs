@@ -1,6 +1,6 @@
 //! One V-cycle is a symmetric positive definite operator, also over masks and odd periodic axes.
 
-use cf_linear::{Options, Plan, Precision, Solver};
+use cf_linear::{Options, Plan, Precision, Solver, Stop};
 
 use crate::common::*;
 
@@ -105,5 +105,27 @@ fn constants_stay_out() {
             solver.precondition(&one, &mut z);
             assert!(case.layout.max_abs(&z) < 1e6, "{alpha} {kappa:e}: {:e}", case.layout.max_abs(&z));
         }
+    }
+}
+
+#[test]
+fn what_is_not_finite_leaves_nothing_behind() {
+    for cells in [[70, 16, 11], [134, 8, 17]] {
+        let case = Case::new(cells, [CLOSED, None, CLOSED], 0.0, 1.0);
+        let options = Options { plan: Some(Plan::Multigrid), ..Default::default() };
+        let mut solver = Solver::<f32, 3>::new(&case.helmholtz(), options).unwrap();
+        let b = random_field::<f32, 3>(&case.layout, 3);
+        let mut solve = |bad: bool| {
+            let mut x = vec![0.0; b.len()];
+            if bad {
+                let mut bad = b.clone();
+                case.layout.par_cells(&mut bad, |_| f32::NAN);
+                solver.precondition(&bad, &mut x);
+                assert!(case.layout.sum(&x).is_nan());
+            }
+            x.fill(0.0);
+            solver.solve(&b, &mut x, Stop::Relative(1e-5)).map(|done| (done.iterations, x)).unwrap()
+        };
+        assert_eq!(solve(false), solve(true));
     }
 }

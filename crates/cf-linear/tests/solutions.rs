@@ -193,3 +193,19 @@ fn a_warm_start_reaches_the_same_solution_sooner() {
         assert!(again.residual <= 1e-9 * again.rhs);
     }
 }
+
+#[test]
+fn what_the_solution_held_before_does_not_matter() {
+    for (alpha, kappa) in [(0.0, 1.0), (1.0, 1e-3), (1.0, 1e4), (1.0, 0.0)] {
+        for scale in [0.0, 1.0] {
+            let case = Case::new([20, 12, 7], [CLOSED, None, CLOSED], alpha, kappa);
+            let mut solver = Solver::<f64, 3>::new(&case.helmholtz(), Options::default()).unwrap();
+            let mut b = random_field::<f64, 3>(&case.layout, 5);
+            b.iter_mut().for_each(|v| *v *= scale);
+            let (mut clean, mut dirty) = (vec![0.0; b.len()], vec![f64::NAN; b.len()]);
+            solver.solve(&b, &mut clean, Stop::Relative(1e-8)).unwrap();
+            solver.solve(&b, &mut dirty, Stop::Relative(1e-8)).unwrap();
+            assert_eq!(clean, dirty, "{alpha} {kappa:e} {scale}");
+        }
+    }
+}

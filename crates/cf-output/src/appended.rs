@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use crate::OutputError;
 use crate::array::Array;
 use crate::manifest::Stats;
-use crate::text::xml;
+use crate::text::escape;
 
 /// The longest stretch of cells or points held in memory at once.
 const STRETCH: usize = 1 << 14;
@@ -53,7 +53,7 @@ impl<'a> Appended<'a> {
             "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" \
              offset=\"{offset}\"/>\n",
             source.precision().vtk_name(),
-            xml(&array.name),
+            escape(&array.name),
             source.components(),
         ))
     }

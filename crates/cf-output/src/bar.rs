@@ -11,6 +11,8 @@ use crate::surface::{Anchor, Pen, Surface};
 const BAR: f64 = 18.0;
 /// Room above and below the bar for half of a label.
 pub(crate) const BAR_MARGIN: f64 = 8.0;
+/// Length of the arrow at an end beyond which there are values, in pixels.
+const ARROW: f64 = 7.0;
 /// Bars beside thin pictures are at least this long, in pixels.
 pub(crate) const SHORTEST_BAR: f64 = 120.0;
 
@@ -24,6 +26,17 @@ pub fn color_bar(style: &Style, range: [f64; 2], height: usize) -> Canvas {
     let width = BAR + 9.0 + labels + if title.is_empty() { 4.0 } else { 12.0 + LABEL + 6.0 };
     let theme = style.theme;
     let mut canvas = Canvas::new(width as usize, (height + 2.0 * BAR_MARGIN) as usize, theme.background());
+    let middle = 0.5 * (1.0 + BAR);
+    for (end, y, tip) in [(0, BAR_MARGIN + height, ARROW), (1, BAR_MARGIN, -ARROW)] {
+        if style.clipped[end] {
+            // The rim, and in it the colour of what goes on; corners in one sense of rotation.
+            let half = |width: f64| 0.5 * width * tip.signum();
+            let arrow =
+                |width: f64, tip: f64| [[middle - half(width), y], [middle + half(width), y], [middle, y + tip]];
+            canvas.convex(&arrow(BAR + 1.0, tip), theme.ink());
+            canvas.convex(&arrow(BAR - 3.0, 0.75 * tip), style.map.at(end as f64));
+        }
+    }
     for y in 0..height as usize {
         let t = 1.0 - (y as f64 + 0.5) / height;
         let row = BAR_MARGIN + y as f64;
@@ -68,7 +81,7 @@ pub(crate) fn frame(canvas: &mut Canvas, [x0, y0, x1, y1]: [f64; 4], ink: Rgb) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::ColorMap;
+    use crate::color::{ColorMap, Theme};
 
     #[test]
     fn the_bar_runs_from_the_low_colour_up_to_the_high_one() {
@@ -76,6 +89,18 @@ mod tests {
         let bar = color_bar(&style, [0.0, 1.0], 200);
         let at = |y: f64| bar.get(8, y as usize).map(|c| c.map(u32::from).iter().sum::<u32>());
         assert!(at(BAR_MARGIN + 2.0) > Some(600) && at(BAR_MARGIN + 197.0) < Some(40));
+    }
+
+    #[test]
+    fn values_beyond_an_end_make_it_an_arrow() {
+        let bar = |clipped| color_bar(&Style { map: ColorMap::Inferno, clipped, ..Style::default() }, [0.0, 1.0], 200);
+        let (plain, white) = (bar([false; 2]), Some(Theme::Light.background()));
+        let ends = [BAR_MARGIN + 202.0, BAR_MARGIN - 3.0].map(|y| y as usize);
+        for (n, clipped) in [[true, false], [false, true]].into_iter().enumerate() {
+            let bar = bar(clipped);
+            assert!(bar.get(9, ends[n]) != white && bar.get(9, ends[1 - n]) == white, "{clipped:?}");
+            assert_eq!((bar.width(), bar.height()), (plain.width(), plain.height()));
+        }
     }
 
     #[test]

@@ -67,6 +67,12 @@ impl ColorRange {
     }
 }
 
+/// Whether data go visibly beyond the low and the high end of a range: by a 256th of it, a step of colour.
+pub fn clipped(data: [f64; 2], [low, high]: [f64; 2]) -> [bool; 2] {
+    let step = (high - low) / 256.0;
+    [data[0] < low - step, data[1] > high + step]
+}
+
 /// Makes an interval finite and non-empty without changing one that is.
 pub(crate) fn widen([low, high]: [f64; 2]) -> [f64; 2] {
     const LIMIT: f64 = 1e300; // so that differences stay finite
@@ -160,6 +166,14 @@ impl Theme {
         }
     }
 
+    /// Colour of solid cells: a grey that no map but [`ColorMap::Grey`] has.
+    pub fn solid(self) -> Rgb {
+        match self {
+            Self::Light => [150, 150, 150],
+            Self::Dark => [110, 110, 110],
+        }
+    }
+
     /// Colour of cells without a number: on no map.
     pub fn missing(self) -> Rgb {
         [255, 0, 255]
@@ -189,6 +203,23 @@ mod tests {
         }
         let [red, _, blue] = ColorMap::BlueRed.at(1.0);
         assert!(red > blue && bright(ColorMap::BlueRed.at(0.5)) > 700);
+    }
+
+    #[test]
+    fn the_grey_of_solid_cells_is_on_no_other_map() {
+        let maps = [ColorMap::Viridis, ColorMap::Inferno, ColorMap::Magma, ColorMap::BlueRed, ColorMap::PurpleGreen];
+        for (theme, map) in [Theme::Light, Theme::Dark].into_iter().flat_map(|theme| maps.map(|map| (theme, map))) {
+            let apart = |t: f64| map.at(t).iter().zip(theme.solid()).map(|(a, b)| a.abs_diff(b)).max();
+            assert!((0..=1000).all(|n| apart(f64::from(n) / 1000.0) > Some(24)), "{map:?} {theme:?}");
+        }
+    }
+
+    #[test]
+    fn a_range_is_clipped_where_data_visibly_go_beyond() {
+        assert_eq!(clipped([-0.001, 1.001], [0.0, 1.0]), [false, false]);
+        assert_eq!(clipped([-0.01, 1.0], [0.0, 1.0]), [true, false]);
+        assert_eq!(clipped([0.5, 2.0], [0.0, 1.0]), [false, true]);
+        assert_eq!(clipped([f64::INFINITY, f64::NEG_INFINITY], [0.0, 1.0]), [false, false]);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::appended::{Appended, check_arrays};
 use crate::array::Array;
 use crate::atomic::write_atomic;
 use crate::manifest::{FileRecord, Shape};
-use crate::text::{numbers, xml};
+use crate::text::{escape, numbers};
 
 /// One instant of a run on a uniform grid.
 pub struct Image<'a> {
@@ -86,7 +86,7 @@ pub fn write_image(path: &Path, image: &Image) -> Result<FileRecord, OutputError
 pub(crate) fn active(arrays: &[Array]) -> String {
     let first = |components: usize, word: &str| {
         let found = arrays.iter().find(|a| a.source.components() == components);
-        found.map_or(String::new(), |a| format!(" {word}=\"{}\"", xml(&a.name)))
+        found.map_or(String::new(), |a| format!(" {word}=\"{}\"", escape(&a.name)))
     };
     first(1, "Scalars") + &first(3, "Vectors")
 }

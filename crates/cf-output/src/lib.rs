@@ -77,7 +77,7 @@ pub use atomic::{Sink, write_atomic, write_text};
 pub use axes::AxisScale;
 pub use bar::color_bar;
 pub use canvas::{Canvas, MAX_SIDE};
-pub use color::{ColorMap, ColorRange, Display, Rgb, Theme};
+pub use color::{ColorMap, ColorRange, Display, Rgb, Theme, clipped};
 pub use curve::{Curve, Join, Marker};
 pub use error::OutputError;
 pub use image::{Image, write_image};
@@ -93,3 +93,4 @@ pub use reader::{ImageFile, PointsFile, ReadArray, read_image, read_points, read
 pub use series::{Series, SeriesEntry};
 pub use sheet::{contact_sheet, write_animation};
 pub use table::{Cell, Table};
+pub use text::escape;

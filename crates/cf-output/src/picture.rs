@@ -3,7 +3,7 @@
 use crate::axes::{Axis, AxisScale};
 use crate::bar::{BAR_MARGIN, SHORTEST_BAR, color_bar, frame};
 use crate::canvas::Canvas;
-use crate::color::{ColorMap, ColorRange, Display, Theme};
+use crate::color::{ColorMap, ColorRange, Display, Theme, clipped};
 use crate::font;
 use crate::overlay::{LEGEND_ROW, Overlay, legend, legend_rows, two_tone};
 use crate::plane::Plane;
@@ -30,6 +30,9 @@ pub struct Style {
     pub range: ColorRange,
     /// Spreading of values over the map; display only.
     pub display: Display,
+    /// There are values beyond the low, the high end of the range: the colour bar ends in arrows. [`draw`] adds to it
+    /// what it sees.
+    pub clipped: [bool; 2],
     /// Light or dark surroundings.
     pub theme: Theme,
     /// Lines over the field.
@@ -50,6 +53,7 @@ impl Default for Style {
             map: ColorMap::default(),
             range: ColorRange::default(),
             display: Display::default(),
+            clipped: [false; 2],
             theme: Theme::default(),
             overlays: vec![],
             side: 720,
@@ -62,7 +66,7 @@ pub(crate) const LABEL: f64 = 10.0;
 pub(crate) const TICK: f64 = 9.0;
 const PAD: f64 = 14.0;
 
-/// Draws a plane. Any style and any values give a picture; cells without a number are magenta.
+/// Draws a plane. Any style and any values give a picture; cells without a number are magenta, solid ones grey.
 pub fn draw(plane: &Plane, style: &Style) -> Canvas {
     let (pixels, size) = raster(plane, style);
     let area = Layout::new(plane, style, size);
@@ -82,7 +86,9 @@ pub fn draw(plane: &Plane, style: &Style) -> Canvas {
     legend(&mut canvas, style, [field[0], area.legend], size[0]);
     if style.bar {
         let range = style.range.resolve(plane.range());
-        let bar = color_bar(style, range, size[1].max(SHORTEST_BAR) as usize);
+        let beyond = clipped(plane.range(), style.display.range(range));
+        let clipped = [0, 1].map(|end| style.clipped[end] || beyond[end]);
+        let bar = color_bar(&Style { clipped, ..style.clone() }, range, size[1].max(SHORTEST_BAR) as usize);
         canvas.paste(&bar, (field[2] + PAD) as usize, (area.top - BAR_MARGIN) as usize);
     }
     canvas
@@ -167,9 +173,11 @@ fn raster(plane: &Plane, style: &Style) -> (Canvas, [f64; 2]) {
     for y in 0..h {
         let row = cells[1] - 1 - y / (zoom * stretch[1]);
         for x in 0..w {
-            let value = values[row * cells[0] + x / (zoom * stretch[0])];
-            let color =
-                if value.is_nan() { style.theme.missing() } else { style.map.at(style.display.position(value, range)) };
+            let color = match values[row * cells[0] + x / (zoom * stretch[0])] {
+                None => style.theme.solid(),
+                Some(value) if value.is_nan() => style.theme.missing(),
+                Some(value) => style.map.at(style.display.position(value, range)),
+            };
             canvas.set(x, y, color);
         }
     }
@@ -250,6 +258,32 @@ mod tests {
     }
 
     #[test]
+    fn solid_cells_are_grey_at_every_size_and_have_no_range() {
+        let solid = |n: usize| {
+            let values = (0..n * n).map(|i| if i % n < n / 2 { 1e9 } else { (i / n) as f64 });
+            let plane = Plane::new([n, n], [0.0; 2], 1.0, values.collect()).unwrap();
+            plane.with_solid((0..n * n).map(|i| i % n < n / 2).collect()).unwrap()
+        };
+        for n in [4, 4000] {
+            assert_eq!(solid(n).range(), [0.0, n as f64 - 1.0]);
+            let (pixels, size) = raster(&solid(n), &bare());
+            let at = |x: f64| pixels.get((x * size[0]) as usize, 9);
+            assert!(at(0.4) == Some(Theme::Light.solid()) && at(0.6) != Some(Theme::Light.solid()), "{n}");
+        }
+    }
+
+    #[test]
+    fn a_picture_marks_what_its_range_leaves_out() {
+        let style = |high| Style { range: ColorRange::Fixed(0.0, high), axes: false, ..Style::default() };
+        let wide = draw(&ramp([4, 4]), &Style { clipped: [false, true], ..style(2.0) });
+        assert_eq!(draw(&ramp([4, 4]), &style(2.0)), wide);
+        assert_ne!(
+            draw(&ramp([4, 4]), &style(3.0)),
+            draw(&ramp([4, 4]), &Style { clipped: [false, true], ..style(3.0) })
+        );
+    }
+
+    #[test]
     fn an_overlay_runs_where_it_says() {
         let plane = Plane::new([10, 10], [0.0; 2], 0.1, vec![0.0; 100]).unwrap();
         let line = Overlay { dashed: false, ..Overlay::straight([0.0, 0.0], [1.0, 1.0], "edge") };
@@ -284,6 +318,7 @@ mod tests {
             words(&|s| s.display = Display::Gamma(0.5)),
             words(&|s| s.theme = Theme::Dark),
             words(&|s| s.side = 300),
+            words(&|s| s.clipped = [true, false]),
             words(&|s| s.overlays.push(Overlay::straight([0.0; 2], [1.0; 2], ""))),
         ];
         for (n, picture) in changed.iter().enumerate() {

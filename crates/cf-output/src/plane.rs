@@ -29,6 +29,8 @@ pub struct Plane {
     origin: [f64; 2],
     spacing: f64,
     values: Vec<f64>,
+    /// One word per cell; empty where no cell is solid.
+    solid: Vec<bool>,
 }
 
 impl Plane {
@@ -90,7 +92,24 @@ impl Plane {
         if !(spacing.is_finite() && spacing > 0.0 && origin.iter().all(|o| o.is_finite())) {
             return refuse(format!("origin {origin:?} and spacing {spacing} are no grid"));
         }
-        Ok(Self { cells, origin, spacing, values })
+        Ok(Self { cells, origin, spacing, values, solid: Vec::new() })
+    }
+
+    /// The same with cells that are solid: they have no value, whatever is stored for them.
+    ///
+    /// # Errors
+    /// [`OutputError::Request`] unless there is one word per cell.
+    pub fn with_solid(mut self, solid: Vec<bool>) -> Result<Self, OutputError> {
+        if solid.len() != self.values.len() {
+            let reason = format!("{} words for the solid ones of {} cells", solid.len(), self.values.len());
+            return Err(OutputError::request("picture", reason));
+        }
+        self.solid = solid;
+        Ok(self)
+    }
+
+    fn is_solid(&self, cell: usize) -> bool {
+        self.solid.get(cell).copied().unwrap_or(false)
     }
 
     /// Cells to the right and upwards.
@@ -110,27 +129,29 @@ impl Plane {
 
     /// Smallest and largest finite value; +∞ and −∞ if there is none.
     pub fn range(&self) -> [f64; 2] {
-        let finite = self.values.iter().filter(|v| v.is_finite());
-        finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &v| [a.min(v), b.max(v)])
+        let finite = self.values.iter().enumerate().filter(|(cell, v)| v.is_finite() && !self.is_solid(*cell));
+        finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], (_, &v)| [a.min(v), b.max(v)])
     }
 
-    /// Means over blocks of `by` × `by` cells (fewer at the high sides). A block with a NaN is NaN: a broken cell
-    /// must not vanish in a small picture.
-    pub(crate) fn reduced(&self, by: usize) -> ([usize; 2], Vec<f64>) {
+    /// Means over the cells that are not solid in blocks of `by` × `by` (fewer at the high sides), `None` where all are.
+    /// A block with a NaN is NaN: a broken cell must not vanish in a small picture.
+    pub(crate) fn reduced(&self, by: usize) -> ([usize; 2], Vec<Option<f64>>) {
         let by = by.max(1);
         let [nx, ny] = self.cells;
         let small = [nx.div_ceil(by), ny.div_ceil(by)];
         if by == 1 {
-            return (small, self.values.clone());
+            let one = |(cell, value): (usize, &f64)| (!self.is_solid(cell)).then_some(*value);
+            return (small, self.values.iter().enumerate().map(one).collect());
         }
         let mut values = Vec::with_capacity(small[0] * small[1]);
         for j in 0..small[1] {
             for i in 0..small[0] {
                 let rows = j * by..ny.min((j + 1) * by);
                 let columns = i * by..nx.min((i + 1) * by);
-                let count = (rows.len() * columns.len()) as f64;
-                let block = rows.flat_map(|y| &self.values[y * nx + columns.start..y * nx + columns.end]);
-                values.push(block.map(|v| v / count).sum());
+                let block = || rows.clone().flat_map(|y| y * nx + columns.start..y * nx + columns.end);
+                let fluid = || block().filter(|cell| !self.is_solid(*cell));
+                let count = fluid().count() as f64;
+                values.push((count > 0.0).then(|| fluid().map(|cell| self.values[cell] / count).sum()));
             }
         }
         (small, values)
@@ -181,8 +202,13 @@ mod tests {
         let values = vec![1.0, 3.0, 10.0, 5.0, 7.0, 20.0, 0.0, 2.0, f64::NAN];
         let plane = Plane::new([3, 3], [0.0; 2], 1.0, values).unwrap();
         let (cells, small) = plane.reduced(2);
-        assert_eq!((cells, &small[..3]), ([2, 2], &[4.0, 15.0, 1.0][..]));
-        assert!(small[3].is_nan());
+        assert_eq!((cells, &small[..3]), ([2, 2], &[4.0, 15.0, 1.0].map(Some)[..]));
+        assert!(small[3].is_some_and(f64::is_nan));
+        let mut solid = vec![false; 9];
+        (solid[0], solid[8]) = (true, true);
+        let (_, small) = plane.clone().with_solid(solid).unwrap().reduced(2);
+        assert_eq!(small, [Some(5.0), Some(15.0), Some(1.0), None]);
+        assert!(plane.clone().with_solid(vec![true; 8]).is_err());
         assert_eq!(plane.range(), [0.0, 20.0]);
     }
 

@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 use crate::OutputError;
 use crate::atomic::{folder_of, write_text};
 use crate::reader::read_series;
-use crate::text::{number, xml};
+use crate::text::{escape, number};
 
 /// One file of a series.
 #[derive(Debug, Clone, PartialEq)]
@@ -102,7 +102,7 @@ impl Series {
                 "<DataSet timestep=\"{}\" group=\"\" part=\"{}\" file=\"{}\"/>\n",
                 number(e.time),
                 e.part,
-                xml(&e.file)
+                escape(&e.file)
             );
         }
         out + "</Collection>\n</VTKFile>\n"

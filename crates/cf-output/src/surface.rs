@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::color::Rgb;
-use crate::text::xml;
+use crate::text::escape;
 
 /// Width in pixels, colour, dashes and opacity of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -137,7 +137,7 @@ impl Surface for Svg {
             "<text x=\"{x}\" y=\"{y}\" font-size=\"{}\" fill=\"{}\" text-anchor=\"{word}\"{turn}>{}</text>",
             coordinate(cap / 0.72), // capitals of common sans-serif fonts
             hex(color),
-            xml(text)
+            escape(text)
         );
     }
 }

@@ -12,8 +12,9 @@ pub(crate) fn numbers(values: &[f64]) -> String {
     values.iter().map(|&v| number(v)).collect::<Vec<_>>().join(" ")
 }
 
-/// Text for an XML attribute in double quotes. Line breaks and tabs survive attribute normalisation.
-pub(crate) fn xml(text: &str) -> String {
+/// Text that stands for itself in XML and HTML, also inside double quotes. Line breaks and tabs survive attribute
+/// normalisation; other control characters, which XML cannot say, become U+FFFD.
+pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -23,7 +24,6 @@ pub(crate) fn xml(text: &str) -> String {
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&apos;"),
             '\n' | '\r' | '\t' => _ = write!(out, "&#{};", c as u32),
-            // XML 1.0 has no way to say other control characters.
             c if c.is_control() => out.push('\u{fffd}'),
             c => out.push(c),
         }
@@ -31,7 +31,7 @@ pub(crate) fn xml(text: &str) -> String {
     out
 }
 
-/// The inverse of [`xml`]; unknown entities stay as they are.
+/// The inverse of [`escape`]; unknown entities stay as they are.
 pub(crate) fn unescape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
@@ -97,7 +97,7 @@ mod tests {
 
         #[test]
         fn xml_survives_the_round_trip(text in "[^\\p{Cc}]*") {
-            prop_assert_eq!(unescape(&xml(&text)), text);
+            prop_assert_eq!(unescape(&escape(&text)), text);
         }
 
         #[test]
@@ -108,7 +108,7 @@ mod tests {
 
     #[test]
     fn markup_is_neutralised() {
-        assert_eq!(xml("a<b>&\"c'\n"), "a&lt;b&gt;&amp;&quot;c&apos;&#10;");
+        assert_eq!(escape("a<b>&\"c'\n"), "a&lt;b&gt;&amp;&quot;c&apos;&#10;");
         assert_eq!(unescape("&#10;&nope;&"), "\n&nope;&");
         assert_eq!(json("a\"\\\u{1}é"), "\"a\\\"\\\\\\u0001é\"");
         assert_eq!(json_number(f64::NAN), "null");

@@ -2,7 +2,7 @@
 
 use crate::ledger::Ledger;
 use crate::model::Model;
-use crate::pace::{Pace, fastest};
+use crate::pace::Pace;
 use crate::run::Runner;
 use crate::scene::{self, Scene};
 use crate::spec::{Integrator, Precision};
@@ -73,16 +73,17 @@ pub(crate) fn account(
 fn advection(scene: &Scene, pace: &Pace) -> String {
     match &scene.model {
         scene::Model::Diffusion(_) if pace.integrator == Some(Integrator::Characteristic) => "Characteristic".into(),
-        scene::Model::Diffusion(model) if fastest(scene, model) > 0.0 => format!("{:?}", scene.numerics.advection),
+        scene::Model::Diffusion(_) if scene.medium_speed() > 0.0 => format!("{:?}", scene.numerics.advection),
         scene::Model::Diffusion(_) => "none".into(),
         scene::Model::SingleField(_) => "exact".into(),
     }
 }
 
 fn regime(scene: &Scene) -> RegimeSummary {
-    let (law, speed) = match &scene.model {
-        scene::Model::Diffusion(model) => (model.law, fastest(scene, model)),
-        scene::Model::SingleField(model) => (model.law, model.velocity.abs()),
+    let speed = scene.medium_speed();
+    let law = match &scene.model {
+        scene::Model::Diffusion(model) => model.law,
+        scene::Model::SingleField(model) => model.law,
     };
     let Ok(law) = Law::new(law.k, law.tau, law.fourier) else { return RegimeSummary::default() };
     let regime = Regime::of(&law, speed);
@@ -99,7 +100,7 @@ fn regime(scene: &Scene) -> RegimeSummary {
 }
 
 fn warnings(scene: &Scene, pace: &Pace, ledger: &Ledger, drift: f64) -> Vec<String> {
-    let mut warnings = Vec::new();
+    let mut warnings: Vec<String> = scene.warnings.iter().map(ToString::to_string).collect();
     if drift.abs() > 1e-3 {
         warnings.push(format!(
             "the mass account is off by {drift:.1e}: semi-Lagrangian transport does not conserve mass; \
@@ -126,10 +127,13 @@ fn warnings(scene: &Scene, pace: &Pace, ledger: &Ledger, drift: f64) -> Vec<Stri
         }
     }
     if let scene::Model::Diffusion(model) = &scene.model {
-        let (speed, wave) = (fastest(scene, model), model.law.speed().unwrap_or(0.0));
-        let courant = (speed + wave) * pace.dt / scene.grid.spacing;
-        if matches!(scene.numerics.step, scene::TimeStep::Fixed(_)) && courant > 4.0 {
-            warnings.push(format!("the fixed step moves waves and medium by {courant:.1} cells; fronts will be blunt"));
+        let (speed, wave) = (scene.medium_speed(), model.law.speed().unwrap_or(0.0));
+        let longest = ledger.dt.map_or(0.0, |(_, longest)| longest);
+        let courant = (speed + wave) * longest / scene.grid.spacing;
+        let given = matches!(scene.numerics.step, scene::TimeStep::Fixed(_) | scene::TimeStep::Cfl(_));
+        if given && courant > 4.0 {
+            let cells = if courant < 1e4 { format!("{courant:.1}") } else { format!("{courant:.1e}") };
+            warnings.push(format!("a step moves waves and medium by up to {cells} cells; fronts will be blunt"));
         }
     }
     let lowest = ledger.rows.iter().map(|row| row.min).fold(0.0, f64::min);

@@ -38,7 +38,12 @@ pub enum Place {
         /// Bytes of `flag`, for a caret.
         span: Range<usize>,
     },
-    /// No particular text: the file as a whole, or a request that names something that does not exist.
+    /// The preset that was asked for.
+    Preset {
+        /// Its name as it was given.
+        name: String,
+    },
+    /// No particular text: a request that names something that does not exist.
     Whole {
         /// The file's name as it was given.
         file: String,
@@ -50,7 +55,7 @@ impl Place {
     pub fn span(&self) -> Range<usize> {
         match self {
             Place::File { span, .. } | Place::Flag { span, .. } => span.clone(),
-            Place::Whole { .. } => 0..0,
+            Place::Preset { .. } | Place::Whole { .. } => 0..0,
         }
     }
 }
@@ -130,6 +135,7 @@ impl fmt::Display for Place {
                 via.iter().try_for_each(|via| write!(f, " ({via})"))
             }
             Place::Flag { flag, .. } => write!(f, "--set {}", shorten(flag)),
+            Place::Preset { name } => write!(f, "--preset {}", shorten(name)),
             Place::Whole { file } => f.write_str(file),
         }
     }
@@ -138,7 +144,7 @@ impl fmt::Display for Place {
 impl fmt::Display for Detail {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if !self.path.is_empty() {
-            write!(f, "{}: ", self.path)?;
+            write!(f, "{}: ", cut(&self.path, LONGEST_PATH))?;
         }
         f.write_str(&self.problem)?;
         match (&self.expected, &self.found) {
@@ -147,7 +153,7 @@ impl fmt::Display for Detail {
             (None, Some(found)) => write!(f, ": found {found}")?,
             (None, None) => {}
         }
-        self.nearest.iter().try_for_each(|name| write!(f, "; did you mean `{name}`?"))?;
+        self.nearest.iter().try_for_each(|name| write!(f, "; did you mean `{}`?", shorten(name)))?;
         self.advice.iter().try_for_each(|advice| write!(f, "; {advice}"))
     }
 }
@@ -203,14 +209,25 @@ impl fmt::Display for Problems {
 
 impl std::error::Error for Problems {}
 
-/// A quotation short enough for one line: control characters escaped, the middle of a long text left out.
+/// Characters of a path that are shown; no path of a scene is as long.
+const LONGEST_PATH: usize = 120;
+
+/// A quotation short enough for one line: control characters escaped, the end of a long text left out.
 pub(crate) fn shorten(text: &str) -> String {
-    const SHOWN: usize = 60;
-    let mut shown: String = text.chars().take(SHOWN).flat_map(printable).collect();
-    if text.chars().nth(SHOWN).is_some() {
+    cut(text, 60)
+}
+
+fn cut(text: &str, most: usize) -> String {
+    let mut shown: String = text.chars().take(most).flat_map(printable).collect();
+    if text.chars().nth(most).is_some() {
         shown.push('…');
     }
     shown
+}
+
+/// A number for a message: every digit, but an exponent instead of many zeros.
+pub(crate) fn number(value: f64) -> String {
+    if value == 0.0 || (1e-5..1e9).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }
 }
 
 fn printable(c: char) -> Vec<char> {

@@ -2,12 +2,13 @@
 //!
 //! Overrides apply in the order base, preset, variant, `--set`.
 
-use crate::check::{self, Limits};
+use crate::check::{self, Limits, Use};
 use crate::error::{Detail, Place, Problems, SceneError, shorten};
 use crate::scene::Scene;
 use crate::spec::{About, Claim, SECTIONS, SceneSpec};
 use crate::suggest::{nearest, one_of};
 use crate::text::decode::decode;
+use crate::text::line_column;
 use crate::text::merged::{Merged, Origin};
 use crate::text::path::{Path, Step};
 use crate::text::shorthand;
@@ -54,12 +55,12 @@ impl SceneFile {
     /// Reads a scene from bytes; `name` is what errors call it.
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, Problems> {
         let text = std::str::from_utf8(bytes).map_err(|error| {
-            let detail = Detail::new("this is not text").expected("UTF-8").found(format!(
-                "byte {:#04x} at offset {}",
-                bytes.get(error.valid_up_to()).copied().unwrap_or(0),
-                error.valid_up_to()
-            ));
-            SceneError::new(Place::Whole { file: name.to_owned() }, detail)
+            let (sound, rest) = bytes.split_at(error.valid_up_to());
+            let found = format!("byte {:#04x}", rest.first().copied().unwrap_or(0));
+            let (line, column) = line_column(&String::from_utf8_lossy(sound), sound.len());
+            let span = sound.len()..(sound.len() + 1).min(bytes.len());
+            let place = Place::File { file: name.to_owned(), span, line, column, via: None };
+            SceneError::new(place, Detail::new("this is not text").expected("UTF-8").found(found))
         })?;
         Self::parse(name, text)
     }
@@ -73,7 +74,20 @@ impl SceneFile {
         if let Some(problems) = Problems::from_list(check::names(&spec, &base)) {
             return Err(problems);
         }
-        Ok(SceneFile { name: name.to_owned(), text: text.to_owned(), base, spec })
+        let file = SceneFile { name: name.to_owned(), text: text.to_owned(), base, spec };
+        file.check_presets()?;
+        Ok(file)
+    }
+
+    /// Every preset is decoded, not only the one that will be asked for.
+    fn check_presets(&self) -> Result<(), Problems> {
+        let decoded = |preset| -> Result<(), SceneError> {
+            let mut merged = self.base.clone();
+            self.preset_overrides(preset)?.iter().try_for_each(|change| change.apply(&mut merged))?;
+            decode::<SceneSpec>(&merged).map(drop)
+        };
+        let problems = self.presets().filter_map(|preset| decoded(Some(preset)).err()).collect();
+        Problems::from_list(problems).map_or(Ok(()), Err)
     }
 
     /// What errors call the file.
@@ -114,24 +128,26 @@ impl SceneFile {
             }
         }
         let mut problems = Vec::new();
-        let mut runs: Vec<Scene> = Vec::new();
+        let (mut runs, mut uses): (Vec<Scene>, Vec<Vec<Use>>) = (Vec::new(), Vec::new());
         for (index, name) in self.runs().enumerate() {
             match self.scene(&base, index, name, preset, sets, limits) {
-                Ok(scene) => runs.push(scene),
+                Ok((scene, given)) => {
+                    runs.push(scene);
+                    uses.push(given);
+                }
                 Err(found) => problems.extend(found.iter().cloned()),
             }
         }
         if problems.is_empty() {
-            problems = check::claims(&self.spec, &self.base, &runs);
+            let (refused, warned) = check::idle(&uses);
+            problems = refused;
+            problems.extend(check::claims(&self.spec, &self.base, &runs, preset));
+            warned.into_iter().for_each(|(run, warning)| runs[run].warnings.push(warning));
         }
         if let Some(problems) = Problems::from_list(problems) {
             return Err(problems);
         }
-        let applies = |claim: &&Claim| match (&claim.presets, preset) {
-            (Some(presets), Some(preset)) => presets.iter().any(|name| name == preset),
-            _ => true,
-        };
-        let claims = self.spec.claims.iter().filter(applies).cloned().collect();
+        let claims = self.spec.claims.iter().filter(|claim| claim.applies(preset)).cloned().collect();
         Ok(Experiment { about: self.spec.about.clone(), preset: preset.map(str::to_owned), runs, claims })
     }
 
@@ -143,7 +159,7 @@ impl SceneFile {
         preset: Option<&str>,
         sets: &[Set],
         limits: &Limits,
-    ) -> Result<Scene, Problems> {
+    ) -> Result<(Scene, Vec<Use>), Problems> {
         let mut merged = base.clone();
         let variant = Path(vec![Step::Key("run".into()), Step::Key("variants".into()), Step::Index(index)]);
         let via = format!("variant {:?}", shorten(name));
@@ -155,10 +171,10 @@ impl SceneFile {
         }
         let spec: SceneSpec = decode(&merged)?;
         let label = spec.run.variants.get(index).and_then(|variant| variant.label.clone());
-        let mut scene = check::scene(&spec, &merged, preset, limits)?;
+        let (mut scene, uses) = check::scene(&spec, &merged, preset, limits)?;
         scene.run = name.to_owned();
         scene.label = label.unwrap_or_else(|| name.to_owned());
-        Ok(scene)
+        Ok((scene, uses))
     }
 
     fn preset_overrides(&self, preset: Option<&str>) -> Result<Vec<Override>, SceneError> {
@@ -172,7 +188,7 @@ impl SceneFile {
             let detail = Detail::new(format!("there is no preset `{}`", shorten(preset)))
                 .expected(one_of(names.clone()))
                 .nearest(nearest(preset, names));
-            return Err(SceneError::new(Place::Whole { file: self.name.clone() }, detail.at("about.presets")));
+            return Err(SceneError::new(Place::Preset { name: preset.to_owned() }, detail));
         }
         let table = Path(vec![Step::Key("about".into()), Step::Key("presets".into())]);
         self.overrides_at(&table, preset, &format!("preset {:?}", shorten(preset)))

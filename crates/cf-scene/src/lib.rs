@@ -55,6 +55,7 @@ pub mod report;
 mod run;
 mod run_error;
 mod scene;
+mod solid;
 pub mod spec;
 mod spool;
 mod stopwatch;

@@ -3,16 +3,19 @@
 //! Transport along one axis of a uniform medium is exact where it moves everything by whole cells. Explicit diffusion
 //! carries once per step, `D(dt/2) A(dt) D(dt/2)`, so the step is h/|u|; implicit diffusion carries half a step twice,
 //! `A(dt/2) D(dt) A(dt/2)`, so it is 2h/|u|. Both are taken as long as the waves move at most one cell, c dt <= h.
-//! Otherwise dt = cfl·h/(|u| + c). No rule goes beyond 1/64 of the run, which is what bounds a still medium without waves.
+//! Otherwise dt = cfl·h/(|u| + c). What the scene leaves open goes no further than 1/64 of the run, which is what bounds a
+//! still medium without waves; a step or a cfl that the scene gives is taken as it is.
 
 use crate::scene::{Diffusion, Model, Scene, Schedule, TimeStep};
-use crate::spec::{Flow, Integrator, Medium, Splitting};
+use crate::spec::{Integrator, Medium, Splitting};
 use cf_diffusion::kdk_limit;
 
 /// Explicit sub-steps in one step up to which they beat two implicit solves.
 const MOST_EXPLICIT: f64 = 20.0;
 /// The fewest steps of a run whose step is chosen for it.
 const FEWEST_STEPS: f64 = 64.0;
+/// The most steps of a run.
+pub(crate) const MOST_STEPS: f64 = 1e10;
 
 /// The time step and the integrator of a run, with reasons.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +65,27 @@ impl Pace {
         let (dt, dt_reason) = step(scene, model, Integrator::Sdirk2);
         Pace { dt, dt_reason, integrator: Some(Integrator::Sdirk2), integrator_reason: why }
     }
+
+    /// The steps to the end of a scene, infinite where they would never get there.
+    pub fn steps(&self, scene: &Scene) -> f64 {
+        self.steps_of(&scene.schedule, &self.legs(scene, None))
+    }
+
+    /// The legs of a run: between frames, the times at which sources switch, and another time that must be hit.
+    pub(crate) fn legs(&self, scene: &Scene, another: Option<f64>) -> Vec<Leg> {
+        let sources = match &scene.model {
+            Model::Diffusion(model) => model.sources.as_slice(),
+            Model::SingleField(_) => &[],
+        };
+        let switches = sources.iter().flat_map(|source| [Some(source.from), source.until]).flatten();
+        legs(&scene.schedule, switches.chain(another), self.dt)
+    }
+
+    pub(crate) fn steps_of(&self, schedule: &Schedule, legs: &[Leg]) -> f64 {
+        let steps: f64 = legs.iter().map(|leg| leg.steps as f64).sum();
+        let steps = if self.dt > 0.0 || legs.is_empty() { steps } else { f64::INFINITY };
+        schedule.steps.map_or(steps, |most| if steps.is_finite() { steps.min(most as f64) } else { steps })
+    }
 }
 
 /// The longest stable explicit step \[s\].
@@ -74,11 +98,11 @@ fn explicit_limit(scene: &Scene, model: &Diffusion) -> f64 {
 fn step(scene: &Scene, model: &Diffusion, integrator: Integrator) -> (f64, String) {
     let (cfl, may_shift) = match scene.numerics.step {
         TimeStep::Fixed(dt) => return (dt, "fixed by the scene".into()),
-        TimeStep::Cfl(cfl) => (cfl, false),
+        TimeStep::Cfl(cfl) | TimeStep::Bounded(cfl) => (cfl, false),
         TimeStep::Shift(cfl) => (cfl, integrator != Integrator::Characteristic),
     };
     let (h, until) = (scene.grid.spacing, scene.schedule.until);
-    let (u, c) = (fastest(scene, model), model.law.speed().unwrap_or(0.0));
+    let (u, c) = (scene.medium_speed(), model.law.speed().unwrap_or(0.0));
     let halves = scene.numerics.splitting == Splitting::Strang && integrator != Integrator::Kdk;
     let cells = if halves { 2.0 } else { 1.0 };
     let shift = cells * h / u;
@@ -89,7 +113,7 @@ fn step(scene: &Scene, model: &Diffusion, integrator: Integrator) -> (f64, Strin
         (cfl * h / (u + c), format!("{cfl} h/(|u| + c) with |u| = {u} m/s and c = {c:.6} m/s"))
     };
     let bound = until / FEWEST_STEPS;
-    if dt <= bound || bound == 0.0 {
+    if dt <= bound || bound == 0.0 || matches!(scene.numerics.step, TimeStep::Cfl(_)) {
         (dt, reason)
     } else {
         (bound, format!("1/{FEWEST_STEPS} of the run, below {reason}"))
@@ -98,26 +122,6 @@ fn step(scene: &Scene, model: &Diffusion, integrator: Integrator) -> (f64, Strin
 
 fn along_one_axis(medium: &Medium) -> bool {
     matches!(medium, Medium::Uniform(u) if u.iter().filter(|component| **component != 0.0).count() == 1)
-}
-
-/// A bound of the speed of the medium \[m/s\].
-pub(crate) fn fastest(scene: &Scene, model: &Diffusion) -> f64 {
-    let grid = &scene.grid;
-    match &model.medium {
-        Medium::Still => 0.0,
-        Medium::Uniform(u) => u.iter().map(|component| component * component).sum::<f64>().sqrt(),
-        Medium::Analytic(Flow::Rotation { center, rate }) => {
-            let reach = |axis: usize| {
-                let middle = center.get(axis).copied().unwrap_or(0.0);
-                (middle - grid.origin[axis]).abs().max((grid.origin[axis] + grid.extent[axis] - middle).abs())
-            };
-            rate.abs() * reach(0).hypot(reach(1))
-        }
-        Medium::Analytic(Flow::Deformation { .. }) => {
-            let longest = grid.extent.iter().copied().fold(0.0, f64::max);
-            if grid.dimension() == 3 { 2.0 * longest } else { longest }
-        }
-    }
 }
 
 /// Equal steps from one event to the next.
@@ -146,8 +150,8 @@ impl Leg {
     }
 }
 
-/// The legs of a run: between frames, the times at which sources switch, and other times that must be hit.
-pub(crate) fn legs(schedule: &Schedule, others: impl Iterator<Item = f64>, dt: f64) -> Vec<Leg> {
+/// Legs between frames and other times that must be hit.
+fn legs(schedule: &Schedule, others: impl Iterator<Item = f64>, dt: f64) -> Vec<Leg> {
     let near = 1e-9 * schedule.until;
     let inside = |time: &f64| *time > near && *time < schedule.until - near;
     let mut events: Vec<(f64, Option<u32>)> = others.filter(inside).map(|time| (time, None)).collect();
@@ -212,6 +216,26 @@ mod tests {
         assert!(stiff.integrator_reason.contains("sub-steps"), "{}", stiff.integrator_reason);
         assert_eq!(pace("standard", &["accuracy.integrator=PaperBe"]).integrator_reason, "the scene's choice");
         assert_eq!(pace("standard", &["accuracy.dt=0.01"]).dt, 0.01);
+    }
+
+    #[test]
+    fn a_cfl_of_the_scene_is_not_cut_to_a_share_of_the_run() {
+        let pace = pace("draft", &["accuracy.cfl=20", "run.frames=1"]);
+        assert!((pace.dt - 20.0 * 0.0625 / 0.75).abs() < 1e-12 && pace.dt_reason.starts_with("20 h/"), "{pace:?}");
+    }
+
+    #[test]
+    fn steps_are_counted_by_frames_and_may_be_endless() {
+        let of = |flags: &[&str]| {
+            let sets: Vec<Set> = flags.iter().map(|flag| Set::parse(flag).unwrap()).collect();
+            let file = SceneFile::parse("s.ron", TEXT).unwrap();
+            file.experiment(None, &sets, &Limits { memory: 1 << 30 }).unwrap().runs.remove(0)
+        };
+        let scene = of(&[]);
+        assert_eq!(Pace::of(&scene).steps(&scene), 100.0);
+        let scene = of(&["run.steps=7"]);
+        assert_eq!(Pace::of(&scene).steps(&scene), 7.0);
+        assert_eq!(Pace { dt: 0.0, ..Pace::of(&scene) }.steps(&scene), f64::INFINITY);
     }
 
     #[test]

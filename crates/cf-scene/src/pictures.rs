@@ -5,7 +5,7 @@ use crate::spec::Pictures;
 use crate::view::View;
 use cf_output::{
     Canvas, ColorMap, ColorRange, Curve, Display, Join, Marker, OutputError, Plane, Plot, PlotAxis, Style, Theme,
-    color_bar, contact_sheet, draw,
+    clipped, color_bar, common_range, contact_sheet, draw,
 };
 
 /// The brightest share of the cells that have anything is cut off by an automatic range, so that a source does not
@@ -73,8 +73,12 @@ fn round_up(value: f64) -> f64 {
     if unit > 0.0 && unit.is_finite() { (value / unit).ceil() * unit } else { value }
 }
 
-fn plane(view: &View, values: &[f64]) -> Result<Plane, OutputError> {
-    Plane::new(view.cells, view.origin, view.spacing, values.to_vec())
+fn plane(scene: &Scene, view: &View, values: &[f64]) -> Result<Plane, OutputError> {
+    let plane = Plane::new(view.cells, view.origin, view.spacing, values.to_vec())?;
+    match view.solid(scene) {
+        Some(solid) => plane.with_solid(solid),
+        None => Ok(plane),
+    }
 }
 
 fn axis_names(view: &View) -> [String; 2] {
@@ -96,7 +100,7 @@ pub(crate) fn frame(
         overlays: view.cone(scene),
         ..scale.style()
     };
-    Ok(draw(&plane(view, values)?, &style))
+    Ok(draw(&plane(scene, view, values)?, &style))
 }
 
 /// One frame of a run on a line.
@@ -169,16 +173,19 @@ pub(crate) fn sheet(title: &str, lasts: &[Last<'_>]) -> Result<Option<Canvas>, O
     };
     let scale = Scale::of(first.scene.output.pictures, alike.iter().map(|last| &last.values[..]));
     let small = Style { axes: false, bar: false, side: 480, ..scale.style() };
-    let mut pictures = Vec::new();
+    let (mut pictures, mut planes) = (Vec::new(), Vec::new());
     for last in &alike {
         let Some(view) = View::of(last.scene) else { continue };
         let overlays =
             view.cone(last.scene).into_iter().map(|line| cf_output::Overlay { label: String::new(), ..line });
-        let picture = draw(&plane(&view, &last.values)?, &Style { overlays: overlays.collect(), ..small.clone() });
+        let plane = plane(last.scene, &view, &last.values)?;
+        planes.push(plane.clone());
+        let picture = draw(&plane, &Style { overlays: overlays.collect(), ..small.clone() });
         pictures.push((picture, last.scene.label.clone()));
     }
     let tall = pictures.iter().map(|(picture, _)| picture.height()).max().unwrap_or(240);
-    let bar = color_bar(&scale.style(), scale.range, tall.min(400));
+    let clipped = clipped(common_range(&planes), scale.range);
+    let bar = color_bar(&Style { clipped, ..scale.style() }, scale.range, tall.min(400));
     let columns = if pictures.len() <= 6 { pictures.len() } else { pictures.len().div_ceil(2) };
     Ok(Some(contact_sheet(&pictures, columns, Some(&bar), Theme::Light)))
 }

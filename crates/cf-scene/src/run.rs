@@ -5,11 +5,11 @@ use crate::checkpoint;
 use crate::frames::{self, Frames};
 use crate::ledger::Ledger;
 use crate::model::Model;
-use crate::pace::{Leg, Pace, legs};
+use crate::pace::{Leg, MOST_STEPS, Pace};
 use crate::perform::Options;
 use crate::progress::{Progress, Watch, Wish};
 use crate::run_error::RunError;
-use crate::scene::{self, Scene};
+use crate::scene::Scene;
 use crate::stopwatch::Stopwatch;
 use crate::summary::RunSummary;
 use crate::view::View;
@@ -17,8 +17,6 @@ use cf_output::OutputError;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// The most steps of a run.
-const MOST_STEPS: f64 = 1e10;
 /// Steps between looks for numbers that are none.
 const LOOK: u64 = 8;
 /// Between checkpoints, which are written at frames.
@@ -98,14 +96,9 @@ impl Runner<'_> {
 
     fn legs(&self, pace: &Pace) -> Result<Vec<Leg>, RunError> {
         let schedule = &self.scene.schedule;
-        let mut events: Vec<f64> = self.needs.half.then_some(0.5 * schedule.until).into_iter().collect();
-        if let scene::Model::Diffusion(model) = &self.scene.model {
-            events.extend(model.sources.iter().flat_map(|source| [Some(source.from), source.until]).flatten());
-        }
-        let legs = legs(schedule, events.into_iter(), pace.dt);
-        let steps: f64 = legs.iter().map(|leg| leg.steps as f64).sum();
-        let steps = schedule.steps.map_or(steps, |most| steps.min(most as f64));
-        if !(pace.dt > 0.0 || legs.is_empty()) || steps > MOST_STEPS {
+        let legs = pace.legs(self.scene, self.needs.half.then_some(0.5 * schedule.until));
+        let steps = pace.steps_of(schedule, &legs);
+        if steps > MOST_STEPS {
             return Err(RunError::TooManySteps { run: self.scene.run.clone(), steps, dt: pace.dt });
         }
         Ok(legs)

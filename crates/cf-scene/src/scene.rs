@@ -1,8 +1,9 @@
 //! A scene after validation: plain numbers, every default filled in, nothing left to decide but the physics.
 
+use crate::error::SceneError;
 use crate::spec::{
-    Advection, Axes, AxisSides, Deposit, Integrator, Level, Medium, Output, Precision, Pulse, Shape, SingleFieldForm,
-    Solver, SourceSpec, Splitting,
+    Advection, Axes, AxisSides, Deposit, Flow, Integrator, Level, Medium, Output, Precision, Pulse, Shape,
+    SingleFieldForm, Solver, SourceSpec, Splitting,
 };
 
 /// One run, ready to be built.
@@ -24,6 +25,34 @@ pub struct Scene {
     pub schedule: Schedule,
     /// What to write.
     pub output: Output,
+    /// What was written without effect, or decided otherwise than one may think.
+    pub warnings: Vec<SceneError>,
+}
+
+impl Scene {
+    /// A bound of the speed of the medium in the box \[m/s\].
+    pub fn medium_speed(&self) -> f64 {
+        let grid = &self.grid;
+        let medium = match &self.model {
+            Model::Diffusion(model) => &model.medium,
+            Model::SingleField(model) => return model.velocity.abs(),
+        };
+        match medium {
+            Medium::Still => 0.0,
+            Medium::Uniform(u) => u.iter().map(|component| component * component).sum::<f64>().sqrt(),
+            Medium::Analytic(Flow::Rotation { center, rate }) => {
+                let reach = |axis: usize| {
+                    let middle = center.get(axis).copied().unwrap_or(0.0);
+                    (middle - grid.origin[axis]).abs().max((grid.origin[axis] + grid.extent[axis] - middle).abs())
+                };
+                rate.abs() * reach(0).hypot(reach(1))
+            }
+            Medium::Analytic(Flow::Deformation { .. }) => {
+                let longest = grid.extent.iter().copied().fold(0.0, f64::max);
+                if grid.dimension() == 3 { 2.0 * longest } else { longest }
+            }
+        }
+    }
 }
 
 /// A box of equal cubes. Lengths in metres.
@@ -134,7 +163,9 @@ pub enum TimeStep {
     Fixed(f64),
     /// This times h/(|u| + c); a law without memory counts with c = 0.
     Cfl(f64),
-    /// The step in which transport is a shift by whole cells, exact, where there is such a step; otherwise as `Cfl`.
+    /// As `Cfl`, but at most 1/64 of the run: what a level chooses.
+    Bounded(f64),
+    /// The step in which transport is a shift by whole cells, exact, where there is such a step; otherwise as `Bounded`.
     Shift(f64),
 }
 

@@ -1,5 +1,7 @@
 //! The valid name nearest to a mistyped one.
 
+use crate::error::shorten;
+
 /// The candidate with the fewest edits, if it is near enough to be what was meant: a third of its length, at least one;
 /// or one that begins with what was written.
 pub fn nearest<'a>(written: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
@@ -24,7 +26,7 @@ pub fn nearest<'a>(written: &str, candidates: impl IntoIterator<Item = &'a str>)
 
 /// A list for a sentence: `` `a`, `b` or `c` ``.
 pub(crate) fn one_of<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
-    let names: Vec<String> = names.into_iter().map(|name| format!("`{name}`")).collect();
+    let names: Vec<String> = names.into_iter().map(|name| format!("`{}`", shorten(name))).collect();
     match names.as_slice() {
         [] => "nothing".to_owned(),
         [one] => one.clone(),
@@ -71,6 +73,7 @@ mod tests {
     fn lists_read_as_sentences() {
         assert_eq!(one_of([]), "nothing");
         assert_eq!(one_of(["a"]), "`a`");
+        assert_eq!(one_of(["a\nb"]), "`a\\nb`");
         assert_eq!(one_of(["a", "b", "c"]), "`a`, `b` or `c`");
     }
 }

@@ -1,6 +1,7 @@
 //! Which layer of a scene its pictures show, and the lines that belong over it.
 
 use crate::scene::{Model, Scene};
+use crate::solid::Solid;
 use crate::spec::Medium;
 use cf_diffusion::{half_angle, hc};
 use cf_output::{Overlay, Slice};
@@ -39,6 +40,26 @@ impl View {
         let axes = [[1, 2], [0, 2], [0, 1]][slice.axis];
         let [cells, origin] = [axes.map(|a| grid.cells[a] as f64), axes.map(|a| grid.origin[a])];
         Some(View { slice, axes, cells: cells.map(|n| n as usize), origin, spacing: grid.spacing })
+    }
+
+    /// Which cells of the layer are solid; `None` where the scene has no obstacles.
+    pub fn solid(&self, scene: &Scene) -> Option<Vec<bool>> {
+        let solid = Solid::of(scene);
+        if solid.obstacles.is_empty() {
+            return None;
+        }
+        let [right, up] = self.axes;
+        let across = if scene.grid.dimension() == 3 { solid.centre(self.slice.axis, self.slice.index) } else { 0.0 };
+        let mut centre = [across; 3];
+        let mut cells = Vec::with_capacity(self.cells[0] * self.cells[1]);
+        for j in 0..self.cells[1] {
+            centre[up] = solid.centre(up, j);
+            for i in 0..self.cells[0] {
+                centre[right] = solid.centre(right, i);
+                cells.push(solid.holds(&centre[..scene.grid.dimension()]));
+            }
+        }
+        Some(cells)
     }
 
     /// The edges of the cone behind the first source, where F_T = 0 and the flow is faster than the waves and in the layer.

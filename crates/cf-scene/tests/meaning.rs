@@ -58,7 +58,7 @@ fn size_and_accuracy_are_two_words() {
 fn every_knob_overrides_its_level() {
     let flags = [
         "accuracy=Accurate",
-        "accuracy.integrator=Kdk",
+        "accuracy.integrator=Sdirk2",
         "accuracy.advection=Cubic",
         "accuracy.splitting=Lie",
         "accuracy.dt=0.125",
@@ -66,7 +66,7 @@ fn every_knob_overrides_its_level() {
         "accuracy.precision=f64",
     ];
     let numerics = unfold("k: 1, tau: 1", None, &flags).runs[0].numerics;
-    assert_eq!((numerics.integrator, numerics.advection), (Some(Integrator::Kdk), Advection::Cubic));
+    assert_eq!((numerics.integrator, numerics.advection), (Some(Integrator::Sdirk2), Advection::Cubic));
     assert_eq!((numerics.splitting, numerics.step), (Splitting::Lie, TimeStep::Fixed(0.125)));
     assert_eq!((numerics.tolerance, numerics.precision), (1e-6, Precision::F64));
 }

@@ -19,7 +19,7 @@ fn points_inside(result: &Result<usize, Problems>, bytes: &[u8]) -> Result<(), T
         match &*error.place {
             Place::File { .. } => prop_assert!(end <= bytes.len(), "{error}"),
             Place::Flag { flag, .. } => prop_assert!(end <= flag.len(), "{error}"),
-            Place::Whole { .. } => prop_assert_eq!(end, 0),
+            Place::Preset { .. } | Place::Whole { .. } => prop_assert_eq!(end, 0),
         }
         prop_assert!(!error.to_string().contains('\n'), "{:?}", error);
     }

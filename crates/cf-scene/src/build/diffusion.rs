@@ -6,6 +6,7 @@ use super::{BuildError, coverage};
 use crate::model::{Model, Number, StepFailure, Totals, Values, ValuesMut};
 use crate::pace::Pace;
 use crate::scene::{self, Scene};
+use crate::solid::Solid;
 use crate::spec::{self, AxisSides, Field, SourceSpec};
 use crate::stopwatch::Stopwatch;
 use crate::summary::{FieldBytes, Range};
@@ -30,7 +31,7 @@ impl<T: Number, const D: usize> DiffusionModel<T, D> {
         let origin = scene.grid.origin.to_array().ok_or(wrong("such origin"))?;
         let grid = Grid::new(cells, scene.grid.spacing)?.with_origin(origin)?;
         let law = Law::new(model.law.k, model.law.tau, model.law.fourier)?;
-        let mask = (!model.obstacles.is_empty()).then(|| mask(&grid, &model.obstacles));
+        let mask = (!model.obstacles.is_empty()).then(|| mask(&grid, &Solid::of(scene)));
         let solid: Vec<usize> =
             mask.iter().flat_map(|mask| mask.fluid()).enumerate().filter(|(_, f)| !**f).map(|(i, _)| i).collect();
         let domain = Domain { grid: &grid, sides: sides(scene, &law), mask, law, medium: &model.medium, make };
@@ -107,12 +108,8 @@ fn sides<const D: usize>(scene: &Scene, law: &Law) -> Sides<Wall, D> {
     }))
 }
 
-fn mask<const D: usize>(grid: &Grid<D>, obstacles: &[spec::Shape]) -> Mask<D> {
-    let (origin, extent) = (grid.origin(), grid.extent());
-    Mask::new(grid.layout(), |cell| {
-        let centre = grid.centre(cell);
-        !obstacles.iter().any(|shape| shape.weight(centre.as_slice(), origin.as_slice(), extent.as_slice()) > 0.0)
-    })
+fn mask<const D: usize>(grid: &Grid<D>, solid: &Solid<'_>) -> Mask<D> {
+    Mask::new(grid.layout(), |cell| !solid.holds(grid.centre(cell).as_slice()))
 }
 
 const FLUX: [&str; 3] = ["q_C along x", "q_C along y", "q_C along z"];

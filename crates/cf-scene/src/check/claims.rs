@@ -2,16 +2,23 @@
 
 use super::names::source_of;
 use super::{Checker, out_of_range};
-use crate::error::{Detail, SceneError};
-use crate::scene::{Diffusion, Model, Scene, TimeStep};
-use crate::spec::{Claim, Kind, Knob, Medium, SceneSpec, Statement};
+use crate::error::{Detail, SceneError, number};
+use crate::measure::Upstream;
+use crate::scene::{Diffusion, Law, Model, Scene, TimeStep};
+use crate::spec::{Claim, Kind, Knob, Medium, Quantity, SceneSpec, Statement};
 use crate::text::merged::Merged;
 
 /// Checks all claims against the validated runs.
-pub(crate) fn claims(spec: &SceneSpec, merged: &Merged, runs: &[Scene]) -> Vec<SceneError> {
+pub(crate) fn claims(spec: &SceneSpec, merged: &Merged, runs: &[Scene], preset: Option<&str>) -> Vec<SceneError> {
     let mut check = Checker::new(merged);
     for (i, claim) in spec.claims.iter().enumerate() {
-        one(&mut check, &format!("claims[{i}].statement"), claim, runs);
+        let path = format!("claims[{i}].statement");
+        let before = check.problems.len();
+        one(&mut check, &path, claim, runs);
+        // What cells there are depends on the size.
+        if check.problems.len() == before && claim.applies(preset) {
+            regions(&mut check, &path, &claim.statement, runs);
+        }
     }
     check.problems
 }
@@ -36,8 +43,8 @@ fn one(check: &mut Checker<'_>, path: &str, claim: &Claim, runs: &[Scene]) {
             let speeds = (model.law.speed().unwrap_or(f64::INFINITY), speed(&model.medium));
             check.require(speeds.0 < speeds.1, path, || {
                 Detail::new("only a flow faster than the waves has a cone")
-                    .expected(format!("a wave speed below {}", speeds.1))
-                    .found(speeds.0.to_string())
+                    .expected(format!("a wave speed below {}", number(speeds.1)))
+                    .found(number(speeds.0))
             });
         }
         Statement::NoUpstreamTail { run, source, fraction, .. } => {
@@ -49,7 +56,7 @@ fn one(check: &mut Checker<'_>, path: &str, claim: &Claim, runs: &[Scene]) {
         Statement::Within { quantity, run, low, high } => {
             if let (Some(low), Some(high)) = (low, high) {
                 check.require(low <= high, &key("high"), || {
-                    out_of_range(&format!("at least low, which is {low}"), *high)
+                    out_of_range(&format!("at least low, which is {}", number(*low)), *high)
                 });
             }
             check.require(low.or(*high).is_some() || claim.kind != Kind::Must, path, || {
@@ -109,6 +116,40 @@ fn one(check: &mut Checker<'_>, path: &str, claim: &Claim, runs: &[Scene]) {
     }
 }
 
+/// A statement about a region needs cells there: about nothing everything holds.
+fn regions(check: &mut Checker<'_>, path: &str, statement: &Statement, runs: &[Scene]) {
+    let names: &[String] = match statement {
+        Statement::NoUpstreamTail { run, .. } | Statement::Within { run, .. } => std::slice::from_ref(run),
+        Statement::Monotone { runs, .. } => runs,
+        _ => return,
+    };
+    let (source, cells) = match statement {
+        Statement::NoUpstreamTail { source, cells, .. } => (*source, Some(*cells)),
+        Statement::Within { quantity, .. } | Statement::Monotone { quantity, .. } => match quantity {
+            Quantity::UpstreamLeak { source, cells } => (*source, Some(*cells)),
+            Quantity::OutsideCone { source } => (*source, None),
+            _ => return,
+        },
+        _ => return,
+    };
+    for scene in names.iter().filter_map(|name| find(runs, name)) {
+        let run = &scene.run;
+        match cells.map(|cells| (cells, Upstream::of(scene, source, cells))) {
+            Some((cells, Ok(region))) => check.require(region.has_fluid(scene), path, || {
+                Detail::new(format!(
+                    "run `{run}` has no cells further than {cells} cells upstream of source [{source}]"
+                ))
+                .advice("take fewer cells, or a box that begins further upstream")
+            }),
+            Some((_, Err(_))) => true,
+            None => check.require(law(scene).has_memory(), path, || {
+                Detail::new(format!("the law of run `{run}` has no memory, so its signals reach every cell at once"))
+                    .expected("tau above 0 and fourier below 1")
+            }),
+        };
+    }
+}
+
 fn find<'a>(runs: &'a [Scene], name: &str) -> Option<&'a Scene> {
     runs.iter().find(|scene| scene.run == name)
 }
@@ -152,18 +193,22 @@ fn several(check: &mut Checker<'_>, path: &str, names: &[String]) {
     });
 }
 
-pub(crate) fn read(parameter: Knob, scene: &Scene) -> Option<f64> {
-    let law = match &scene.model {
+fn law(scene: &Scene) -> Law {
+    match &scene.model {
         Model::Diffusion(model) => model.law,
         Model::SingleField(model) => model.law,
-    };
+    }
+}
+
+pub(crate) fn read(parameter: Knob, scene: &Scene) -> Option<f64> {
+    let law = law(scene);
     match parameter {
         Knob::Tau => Some(law.tau),
         Knob::Fourier => Some(law.fourier),
         Knob::CellSize => Some(scene.grid.spacing),
         Knob::TimeStep => match scene.numerics.step {
             TimeStep::Fixed(dt) => Some(dt),
-            TimeStep::Cfl(_) | TimeStep::Shift(_) => None,
+            TimeStep::Cfl(_) | TimeStep::Bounded(_) | TimeStep::Shift(_) => None,
         },
     }
 }

@@ -1,7 +1,7 @@
 //! `grid`: a box that cubes fill exactly.
 
 use super::Checker;
-use crate::error::Detail;
+use crate::error::{Detail, number};
 use crate::scene::Grid;
 use crate::spec::{Axes, ModelSpec, SceneSpec};
 
@@ -43,7 +43,7 @@ pub(super) fn grid(check: &mut Checker<'_>, spec: &SceneSpec) -> Grid {
         check.require(equal, "grid.cells", || {
             Detail::new("the cells are not cubes")
                 .expected("equal spacings extent/cells")
-                .found(spacings.to_string())
+                .found(spacings.iter().copied().map(number).collect::<Axes<String>>().to_string())
                 .advice("change the cells or the extent along one axis")
         });
         check.require(spacing.is_normal(), "grid.extent", || Detail::new("the cells are too small to compute with"));

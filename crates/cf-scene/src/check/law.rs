@@ -4,7 +4,7 @@
 //! may come as H_c = |u|/c or as the half angle of the wake, sin(angle) = 1/H_c.
 
 use super::{Checker, out_of_range};
-use crate::error::Detail;
+use crate::error::{Detail, number};
 use crate::scene::Law;
 use crate::spec::{LawSpec, Medium};
 
@@ -55,9 +55,8 @@ pub(super) fn law(check: &mut Checker<'_>, spec: &LawSpec, medium: &Medium) -> L
     };
     let finite = law.k.is_finite() && law.tau.is_finite() && law.speed().is_none_or(f64::is_finite);
     check.require(finite, PATH, || {
-        let speed = law.speed().unwrap_or(0.0);
-        Detail::new(format!("these numbers give k = {}, tau = {} and c = {speed}", law.k, law.tau))
-            .expected("finite numbers")
+        let [k, tau, speed] = [law.k, law.tau, law.speed().unwrap_or(0.0)].map(number);
+        Detail::new(format!("these numbers give k = {k}, tau = {tau} and c = {speed}")).expected("finite numbers")
     });
     law
 }

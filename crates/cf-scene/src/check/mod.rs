@@ -4,6 +4,7 @@
 
 mod claims;
 mod grid;
+mod knobs;
 mod law;
 pub(crate) mod memory;
 mod model;
@@ -12,25 +13,30 @@ mod numerics;
 mod output;
 mod schedule;
 mod sides;
+mod solid;
+mod time;
+mod trial;
 
 pub(crate) use claims::{claims, read};
+pub(crate) use knobs::{Use, idle};
 pub use memory::{Limits, MemoryRow, MemoryTable};
 pub(crate) use names::names;
 
-use crate::error::{Detail, Problems, SceneError};
+use crate::error::{Detail, Problems, SceneError, number};
+use crate::pace::Pace;
 use crate::scene::Scene;
 use crate::spec::SceneSpec;
 use crate::text::merged::Merged;
 use crate::text::path::Path;
 use crate::text::tree::Shape;
 
-/// Validates one run. Its name and label are left empty.
+/// Validates one run and says which knobs it was given. Its name and label are left empty.
 pub(crate) fn scene(
     spec: &SceneSpec,
     merged: &Merged,
     preset: Option<&str>,
     limits: &Limits,
-) -> Result<Scene, Problems> {
+) -> Result<(Scene, Vec<Use>), Problems> {
     let mut check = Checker::new(merged);
     check.every_number_is_finite();
     check.stop()?;
@@ -43,10 +49,20 @@ pub(crate) fn scene(
     let schedule = schedule::schedule(&mut check, &spec.run);
     output::output(&mut check, &spec.output);
     let (run, label) = (String::new(), String::new());
-    let scene = Scene { run, label, grid, sides, model, numerics, schedule, output: spec.output.clone() };
-    memory::fits(&mut check, &scene, limits);
+    let (output, warnings) = (spec.output.clone(), Vec::new());
+    let mut scene = Scene { run, label, grid, sides, model, numerics, schedule, output, warnings };
     check.stop()?;
-    Ok(scene)
+    memory::fits(&mut check, &scene, limits);
+    let pace = Pace::of(&scene);
+    time::time(&mut check, &scene, &pace);
+    check.stop()?;
+    trial::trial(&mut check, &scene, &pace);
+    solid::fluid(&mut check, &scene);
+    model::empty(&mut check, &scene);
+    check.stop()?;
+    let uses = knobs::uses(&check, &spec.accuracy, &scene, &pace);
+    scene.warnings = check.warnings;
+    Ok((scene, uses))
 }
 
 /// The most problems that are reported at once; more help nobody and each costs a look through the text.
@@ -56,11 +72,12 @@ const MAX_PROBLEMS: usize = 100;
 pub(crate) struct Checker<'a> {
     merged: &'a Merged,
     pub(crate) problems: Vec<SceneError>,
+    warnings: Vec<SceneError>,
 }
 
 impl<'a> Checker<'a> {
     pub(crate) fn new(merged: &'a Merged) -> Self {
-        Checker { merged, problems: Vec::new() }
+        Checker { merged, problems: Vec::new(), warnings: Vec::new() }
     }
 
     /// Reports a problem at a path, or at the nearest existing value above it.
@@ -68,10 +85,22 @@ impl<'a> Checker<'a> {
         if self.problems.len() >= MAX_PROBLEMS {
             return;
         }
+        self.problems.push(self.error(path, detail));
+    }
+
+    /// Notes at a path what is no error.
+    pub(crate) fn warn(&mut self, path: &str, detail: Detail) {
+        if self.warnings.len() < MAX_PROBLEMS {
+            self.warnings.push(self.error(path, detail));
+        }
+    }
+
+    /// An error at a path, or at the nearest existing value above it.
+    pub(crate) fn error(&self, path: &str, detail: Detail) -> SceneError {
         let steps = Path::parse(path).unwrap_or_default();
         let (node, taken) = self.merged.tree.follow(&steps);
         let span = if taken == steps.0.len() { node.span.clone() } else { node.span.start..node.span.start + 1 };
-        self.problems.push(self.merged.error(span, detail.at(path)));
+        self.merged.error(span, detail.at(path))
     }
 
     /// Reports a problem unless something holds, which is returned.
@@ -120,5 +149,5 @@ fn is_infinite(text: &str) -> bool {
 }
 
 pub(crate) fn out_of_range(expected: &str, found: f64) -> Detail {
-    Detail::new("out of range").expected(expected).found(found.to_string())
+    Detail::new("out of range").expected(expected).found(number(found))
 }

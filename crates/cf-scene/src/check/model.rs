@@ -1,9 +1,9 @@
 //! `model`: numbers in range, shapes that hit the domain, a medium of the right dimension.
 
 use super::{Checker, law, out_of_range};
-use crate::error::Detail;
-use crate::scene::{Diffusion, Grid, Law, Model, SingleField};
-use crate::spec::{Axis, Flow, Medium, ModelSpec, Shape};
+use crate::error::{Detail, number};
+use crate::scene::{Diffusion, Grid, Law, Model, Scene, SingleField};
+use crate::spec::{Axis, AxisSides, Flow, Medium, ModelSpec, Shape, Wall};
 
 /// The most deposits, sources or obstacles of a scene.
 const MAX_SHAPES: usize = 10_000;
@@ -29,7 +29,7 @@ pub(super) fn model(check: &mut Checker<'_>, spec: &ModelSpec, grid: &Grid) -> M
                 check.not_negative(&format!("{path}.from"), source.from);
                 let until = source.until.unwrap_or(f64::INFINITY);
                 check.require(until > source.from, &format!("{path}.until"), || {
-                    out_of_range(&format!("later than from, which is {}", source.from), until)
+                    out_of_range(&format!("later than from, which is {}", number(source.from)), until)
                 });
             }
             for (i, obstacle) in obstacles.iter().take(MAX_SHAPES).enumerate() {
@@ -52,14 +52,36 @@ pub(super) fn model(check: &mut Checker<'_>, spec: &ModelSpec, grid: &Grid) -> M
         ModelSpec::SingleField { form, k, tau, velocity, pulse } => {
             check.not_negative("model.k", *k);
             check.positive("model.tau", *tau);
-            check.positive("model.pulse.width", pulse.width);
+            let least = 0.25 * grid.spacing;
+            check.require(pulse.width >= least, "model.pulse.width", || {
+                out_of_range(&format!("at least a quarter of a cell, {}", number(least)), pulse.width)
+            });
             let (low, high) = domain(grid, 0);
             check.require((low..=high).contains(&pulse.center), "model.pulse.center", || {
-                out_of_range(&format!("inside the domain, {low} to {high}"), pulse.center)
+                out_of_range(&format!("inside the domain, {} to {}", number(low), number(high)), pulse.center)
             });
             let law = Law { k: *k, tau: *tau, fourier: 0.0 };
             Model::SingleField(SingleField { form: *form, law, velocity: *velocity, pulse: *pulse })
         }
+    }
+}
+
+/// Notes a scene in which nothing can happen.
+pub(super) fn empty(check: &mut Checker<'_>, scene: &Scene) {
+    let Model::Diffusion(model) = &scene.model else { return };
+    let wall = |wall: &Wall| match wall {
+        Wall::Closed => false,
+        Wall::Flux(value) | Wall::Value(value) => *value != 0.0,
+        Wall::Absorbing { far, .. } => *far != 0.0,
+        Wall::Open { inflow } => *inflow != 0.0,
+    };
+    let walls = scene.sides.iter().any(|axis| match axis {
+        AxisSides::Periodic => false,
+        AxisSides::Walls { low, high } => wall(low) || wall(high),
+    });
+    let starts = model.initial.iter().any(|deposit| deposit.value != 0.0);
+    if !(walls || starts || model.sources.iter().any(|source| source.rate != 0.0)) {
+        check.warn("model", Detail::new("no initial value, source or wall puts anything into the box: phi stays zero"));
     }
 }
 
@@ -96,7 +118,7 @@ fn shape(check: &mut Checker<'_>, path: &str, shape: &Shape, grid: &Grid) {
             axes(check, &format!("{path}.high"), high.len(), grid);
             for (axis, (low, high)) in low.iter().zip(high.iter()).enumerate() {
                 check.require(low <= high, &format!("{path}.low[{axis}]"), || {
-                    out_of_range(&format!("at most the high corner's {high}"), *low)
+                    out_of_range(&format!("at most the high corner's {}", number(*high)), *low)
                 });
             }
         }
@@ -117,7 +139,7 @@ fn shape(check: &mut Checker<'_>, path: &str, shape: &Shape, grid: &Grid) {
     if let Shape::Gaussian { width, .. } = shape {
         let least = 0.25 * grid.spacing;
         check.require(*width >= least, &format!("{path}.width"), || {
-            out_of_range(&format!("at least a quarter of a cell, {least}"), *width)
+            out_of_range(&format!("at least a quarter of a cell, {}", number(least)), *width)
         });
     }
     if check.problems.len() == before {
@@ -135,8 +157,8 @@ fn hits_the_domain(check: &mut Checker<'_>, path: &str, shape: &Shape, grid: &Gr
         if !check.require(low <= end && high >= start, path, || {
             let name = ["x", "y", "z"][axis];
             Detail::new("the shape lies wholly outside the domain")
-                .expected(format!("{name} somewhere in {start} to {end}"))
-                .found(format!("{low} to {high}"))
+                .expected(format!("{name} somewhere in {} to {}", number(start), number(end)))
+                .found(format!("{} to {}", number(low), number(high)))
         }) {
             return;
         }
@@ -144,7 +166,7 @@ fn hits_the_domain(check: &mut Checker<'_>, path: &str, shape: &Shape, grid: &Gr
     let sharp = !matches!(shape, Shape::Everywhere | Shape::Gaussian { .. } | Shape::Cosine { .. });
     check.require(!sharp || holds_a_cell(shape, grid), path, || {
         Detail::new("the shape is so small that it holds no cell centre, so it would do nothing")
-            .expected(format!("at least one cell, {} wide", grid.spacing))
+            .expected(format!("at least one cell, {} wide", number(grid.spacing)))
             .advice("enlarge the shape or use more cells")
     });
 }

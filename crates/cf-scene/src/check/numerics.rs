@@ -24,13 +24,13 @@ fn chosen(level: Level) -> Numerics {
             integrator: Some(Integrator::PaperBe),
             advection: Advection::Linear,
             splitting: Splitting::Lie,
-            step: TimeStep::Cfl(1.0),
+            step: TimeStep::Bounded(1.0),
             tolerance: 1e-3,
             ..standard
         },
         Level::Standard | Level::Target(_) => standard,
         Level::Accurate => {
-            Numerics { step: TimeStep::Cfl(0.25), tolerance: 1e-8, precision: Precision::Mixed, ..standard }
+            Numerics { step: TimeStep::Bounded(0.25), tolerance: 1e-8, precision: Precision::Mixed, ..standard }
         }
     }
 }
@@ -52,6 +52,8 @@ pub(super) fn numerics(check: &mut Checker<'_>, spec: &AccuracySpec, model: &Mod
         Detail::new("dt and cfl both fix the time step").advice("remove one, or set one to None")
     });
     let base = chosen(level);
+    // A pulse that is solved exactly is solved in double precision.
+    let exact = matches!(model, Model::SingleField(_));
     let step = match (spec.dt, spec.cfl) {
         (Some(dt), _) => TimeStep::Fixed(dt),
         (None, Some(cfl)) => TimeStep::Cfl(cfl),
@@ -64,7 +66,7 @@ pub(super) fn numerics(check: &mut Checker<'_>, spec: &AccuracySpec, model: &Mod
         splitting: spec.splitting.unwrap_or(base.splitting),
         step,
         tolerance: spec.tolerance.unwrap_or(base.tolerance),
-        precision: spec.precision.unwrap_or(base.precision),
+        precision: if exact { Precision::F64 } else { spec.precision.unwrap_or(base.precision) },
         solver: spec.solver.unwrap_or(base.solver),
     };
     let smallest = if numerics.precision == Precision::F32 { 1e-7 } else { 1e-15 };

@@ -1,7 +1,7 @@
 //! `output`: colour ranges that are ranges, fields named once.
 
 use super::{Checker, out_of_range};
-use crate::error::Detail;
+use crate::error::{Detail, number};
 use crate::spec::{Output, Pictures};
 
 /// Checks what is to be written.
@@ -26,5 +26,7 @@ pub(super) fn output(check: &mut Checker<'_>, spec: &Output) {
 }
 
 fn ordered(check: &mut Checker<'_>, low: f64, high: f64) {
-    check.require(low < high, "output.pictures.high", || out_of_range(&format!("above low, which is {low}"), high));
+    check.require(low < high, "output.pictures.high", || {
+        out_of_range(&format!("above low, which is {}", number(low)), high)
+    });
 }

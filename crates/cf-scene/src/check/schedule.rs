@@ -1,7 +1,7 @@
 //! `run`: an end, and a bounded number of frames.
 
 use super::{Checker, out_of_range};
-use crate::error::Detail;
+use crate::error::{Detail, number};
 use crate::scene::Schedule;
 use crate::spec::RunSpec;
 
@@ -21,7 +21,10 @@ pub(super) fn schedule(check: &mut Checker<'_>, spec: &RunSpec) -> Schedule {
         let good = check.positive("run.every", every)
             && check.require(frames <= f64::from(MAX_FRAMES), "run.every", || {
                 out_of_range(
-                    &format!("at most {MAX_FRAMES} frames, so every at least {}", spec.until / f64::from(MAX_FRAMES)),
+                    &format!(
+                        "at most {MAX_FRAMES} frames, so every at least {}",
+                        number(spec.until / f64::from(MAX_FRAMES))
+                    ),
                     every,
                 )
             });

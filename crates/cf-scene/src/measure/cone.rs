@@ -58,9 +58,11 @@ fn first_distance(sample: &Sample, direction: &[f64], from: &[f64]) -> f64 {
 fn one_side(sample: &Sample, flow: &[f64], across: &[f64], source: &[f64], rows: (f64, f64)) -> Result<f64, String> {
     let (first_row, first) = (first_distance(sample, flow, source), first_distance(sample, across, source));
     let (mut places, mut asked) = (Vec::new(), 0usize);
+    // No row lies further away than the box is long.
+    let longest = sample.h * sample.cells.iter().map(|n| (*n as f64).powi(2)).sum::<f64>().sqrt();
     for row in 0.. {
         let down = first_row + row as f64 * sample.h;
-        if down > rows.1 {
+        if down > rows.1.min(longest) {
             break;
         }
         if down < rows.0 {

@@ -5,6 +5,8 @@ mod order;
 mod reach;
 mod sample;
 
+pub(crate) use reach::Upstream;
+
 use crate::run::{Evidence, Needs};
 use crate::scene::Scene;
 use crate::spec::{Claim, ClaimSource, Direction, Front, Kind, Quantity, Statement};
@@ -145,8 +147,8 @@ fn statement(statement: &Statement, runs: &[Run<'_>]) -> Result<Finding, String>
             let run = find(runs, run)?;
             let sample = phi(run)?;
             let all = sample.phi.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-            let tail =
-                reach::upstream(&sample, run.0, *source, *cells)?.fold(0.0, |most: f64, value| most.max(value.abs()));
+            let behind = reach::upstream(&sample, run.0, *source, *cells)?;
+            let tail = behind.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
             let share = if all > 0.0 { tail / all } else { return Err("phi is zero everywhere".into()) };
             finding.pass = share <= *fraction;
             finding.measured = format!("{share:.3e} of the maximum");
@@ -242,7 +244,7 @@ fn measure(quantity: Quantity, run: &Run<'_>) -> Result<f64, String> {
         Quantity::Minimum => Ok(sample.phi.iter().copied().fold(f64::INFINITY, f64::min)),
         Quantity::RadiusOfGyration => sample.radius_of_gyration().ok_or_else(|| "phi is zero everywhere".to_owned()),
         Quantity::UpstreamLeak { source, cells } => {
-            share(reach::upstream(&sample, run.0, source, cells)?.map(|value| value.abs()).sum())
+            share(reach::upstream(&sample, run.0, source, cells)?.iter().map(|value| value.abs()).sum())
         }
         Quantity::OutsideCone { source } => share(reach::outside(&sample, run.0, source, run.2.time)?),
     }

@@ -2,6 +2,7 @@
 
 use super::sample::Sample;
 use crate::scene::{Diffusion, Model, Scene};
+use crate::solid::Solid;
 use crate::spec::{Medium, SourceSpec};
 use rayon::prelude::*;
 
@@ -30,34 +31,58 @@ fn source(scene: &Scene, index: usize) -> Result<&SourceSpec, String> {
     model(scene)?.sources.get(index).ok_or_else(|| format!("the run has no source [{index}]"))
 }
 
-/// The values of `phi` further upstream than `cells` cells from the edge of a source.
-pub(super) fn upstream<'s>(
-    sample: &'s Sample,
-    scene: &Scene,
-    index: usize,
-    cells: usize,
-) -> Result<impl Iterator<Item = f64> + 's, String> {
-    let (flow, shape) = (flow(scene)?, &source(scene, index)?.shape);
-    // The corner of the source's box furthest upstream.
-    let corner = |axis: usize| if flow[axis] >= 0.0 { shape.bounds(axis).0 } else { shape.bounds(axis).1 };
-    let edge: f64 = (0..flow.len()).filter(|axis| flow[*axis] != 0.0).map(|axis| flow[axis] * corner(axis)).sum();
-    if !edge.is_finite() {
-        return Err("the source has no edge".into());
+/// The half space further upstream than some cells from the edge of a source.
+pub(crate) struct Upstream {
+    flow: Vec<f64>,
+    limit: f64,
+}
+
+impl Upstream {
+    /// Further upstream than `cells` cells from the edge of the source `index`.
+    pub fn of(scene: &Scene, index: usize, cells: usize) -> Result<Self, String> {
+        let (flow, shape) = (flow(scene)?, &source(scene, index)?.shape);
+        // The corner of the source's box furthest upstream.
+        let corner = |axis: usize| if flow[axis] >= 0.0 { shape.bounds(axis).0 } else { shape.bounds(axis).1 };
+        let edge: f64 = (0..flow.len()).filter(|axis| flow[*axis] != 0.0).map(|axis| flow[axis] * corner(axis)).sum();
+        if !edge.is_finite() {
+            return Err("the source has no edge".into());
+        }
+        let limit = edge - cells as f64 * scene.grid.spacing * (1.0 - 1e-9);
+        Ok(Upstream { flow, limit })
     }
-    let limit = edge - cells as f64 * sample.h * (1.0 - 1e-9);
-    let behind = move |number: usize| {
-        let x = sample.centre_of(number);
-        flow.iter().zip(x).map(|(u, x)| u * x).sum::<f64>() < limit
-    };
-    Ok(sample.phi.iter().enumerate().filter(move |(number, _)| behind(*number)).map(|(_, value)| *value))
+
+    fn holds(&self, x: &[f64]) -> bool {
+        self.flow.iter().zip(x).map(|(u, x)| u * x).sum::<f64>() < self.limit
+    }
+
+    /// Whether cells of a scene that are not solid lie here.
+    pub fn has_fluid(&self, scene: &Scene) -> bool {
+        let solid = Solid::of(scene);
+        // The cell furthest upstream decides where nothing is solid.
+        let first = |(axis, u): (usize, &f64)| if *u >= 0.0 { 0 } else { scene.grid.cells[axis] - 1 };
+        let corner: Vec<f64> = self.flow.iter().enumerate().map(|at| solid.centre(at.0, first(at))).collect();
+        self.holds(&corner)
+            && (solid.obstacles.is_empty()
+                || solid.any_fluid(|_| (f64::NEG_INFINITY, f64::INFINITY), |centre| self.holds(centre)))
+    }
+}
+
+/// The values of `phi` further upstream than `cells` cells from the edge of a source; there are some.
+pub(super) fn upstream(sample: &Sample, scene: &Scene, index: usize, cells: usize) -> Result<Vec<f64>, String> {
+    let region = Upstream::of(scene, index, cells)?;
+    let values = sample.phi.iter().enumerate();
+    let there: Vec<f64> =
+        values.filter(|(number, _)| region.holds(&sample.centre_of(*number))).map(|(_, value)| *value).collect();
+    if there.is_empty() { Err(format!("no cell lies further than {cells} cells upstream")) } else { Ok(there) }
 }
 
 /// The sum of |phi| over cells that no signal of a source can have reached at `time`: with every emission a ball of
 /// radius c·age that drifts with the flow. Where F_T > 0, c is that of the part with memory, and what lies outside is
-/// Fourier's doing. A law without memory reaches everywhere.
+/// Fourier's doing. A law without memory reaches everywhere, which leaves nothing to measure, as does a box that the
+/// signals cover: the region is convex, so it covers the box where it holds the cells in the corners.
 pub(super) fn outside(sample: &Sample, scene: &Scene, index: usize, time: f64) -> Result<f64, String> {
     let (u, source) = (velocity(scene)?, source(scene, index)?);
-    let Some(c) = model(scene)?.law.speed() else { return Ok(0.0) };
+    let c = model(scene)?.law.speed().ok_or("without memory signals reach every cell at once")?;
     let ages = (time - source.until.unwrap_or(time).min(time), time - source.from);
     if ages.1 <= 0.0 {
         return Err("the source has not begun".into());
@@ -89,6 +114,13 @@ pub(super) fn outside(sample: &Sample, scene: &Scene, index: usize, time: f64) -
         }
         gap(ages.0) <= 0.0 || gap(ages.1) <= 0.0 || gap(low) <= 1e-9 * sample.h
     };
+    let corner = |number: usize| {
+        let end = |axis: usize| if number >> axis & 1 == 1 { sample.cells[axis] - 1 } else { 0 };
+        std::array::from_fn(|axis| if axis < u.len() { sample.centre(axis, end(axis)) } else { 0.0 })
+    };
+    if (0..1usize << u.len()).all(|number| reached(corner(number))) {
+        return Err("signals of the source can have reached every cell".into());
+    }
     // Summed in order, so that threads leave no trace.
     let parts: Vec<f64> = sample
         .phi
@@ -128,13 +160,33 @@ mod tests {
         for (u, count) in [("(0.0, 0.5)", 36 * 40), ("(0.0, -0.5)", 36 * 40), ("(0.5, 0.0)", 16 * 80)] {
             let scene = scene(u, 0.25);
             let sample = Sample::new(&scene.grid, vec![1.0; 3200]);
-            assert_eq!(upstream(&sample, &scene, 0, 3).unwrap().count(), count, "{u}");
+            assert_eq!(upstream(&sample, &scene, 0, 3).unwrap().len(), count, "{u}");
+            assert!(
+                upstream(&sample, &scene, 0, 39).is_err() && !Upstream::of(&scene, 0, 39).unwrap().has_fluid(&scene)
+            );
         }
         let mut still = scene("(0.5, 0.0)", 0.25);
         let Model::Diffusion(model) = &mut still.model else { unreachable!() };
         model.medium = Medium::Still;
         let sample = Sample::new(&still.grid, vec![1.0; 3200]);
         assert!(upstream(&sample, &still, 0, 3).is_err());
+    }
+
+    #[test]
+    fn what_is_solid_does_not_count_as_upstream() {
+        let mut scene = scene("(0.5, 0.0)", 0.25);
+        let region = Upstream::of(&scene, 0, 3).unwrap();
+        assert!(region.has_fluid(&scene));
+        let Model::Diffusion(model) = &mut scene.model else { unreachable!() };
+        model.obstacles = vec![crate::spec::Shape::Below { axis: crate::spec::Axis::X, at: 1.7 }];
+        assert!(!region.has_fluid(&scene));
+    }
+
+    #[test]
+    fn a_cone_that_covers_the_box_leaves_nothing_to_measure() {
+        let scene = scene("(0.5, 0.0)", 400.0); // c = 10
+        let sample = Sample::new(&scene.grid, vec![1.0; 3200]);
+        assert!(outside(&sample, &scene, 0, 6.0).unwrap_err().contains("every cell"));
     }
 
     #[test]

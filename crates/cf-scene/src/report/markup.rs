@@ -1,22 +1,7 @@
 //! Small pieces of HTML, and numbers for people.
 
+pub(super) use cf_output::escape;
 use std::fmt::Write;
-
-/// Text that stands for itself in HTML, also inside double quotes.
-pub(super) fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            _ => out.push(c),
-        }
-    }
-    out
-}
 
 /// A link to a file beside the page.
 pub(super) fn link(file: &str, words: &str) -> String {
@@ -85,6 +70,5 @@ mod tests {
     #[test]
     fn addresses_have_no_special_characters() {
         assert_eq!(address("a b/c\"<é>.png"), "a%20b/c%22%3C%C3%A9%3E.png");
-        assert_eq!(escape("<a & 'b' \"c\">"), "&lt;a &amp; &#39;b&#39; &quot;c&quot;&gt;");
     }
 }

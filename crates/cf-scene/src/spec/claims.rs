@@ -19,6 +19,16 @@ pub struct Claim {
     pub statement: Statement,
 }
 
+impl Claim {
+    /// Whether it is checked at a preset; a scene as written checks all.
+    pub fn applies(&self, preset: Option<&str>) -> bool {
+        match (&self.presets, preset) {
+            (Some(presets), Some(preset)) => presets.iter().any(|name| name == preset),
+            _ => true,
+        }
+    }
+}
+
 /// Who makes a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum ClaimSource {

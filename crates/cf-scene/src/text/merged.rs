@@ -1,7 +1,7 @@
 //! A scene text pieced together from a file and its overrides, which remembers where each piece was written.
 
 use super::tree::Node;
-use super::{Flaw, line_column, scan};
+use super::{BYTE_ORDER_MARK, Flaw, line_column, scan};
 use crate::error::{Detail, Place, SceneError};
 use std::ops::Range;
 use std::sync::Arc;
@@ -82,10 +82,13 @@ impl Merged {
     /// A scene file with no override yet.
     pub(crate) fn from_file(name: &str, text: &str) -> Result<Self, SceneError> {
         let written = Arc::new(Written::File { name: name.to_owned(), text: text.to_owned() });
-        let origin = Origin { written, via: None, span: 0..text.len() };
-        let tree = scan::scan(text).map_err(|flaw| origin.part(flaw.span).error(flaw.detail))?;
-        let pieces = vec![Piece { length: text.len(), origin: origin.clone() }];
-        Ok(Merged { text: text.to_owned(), tree, pieces, file: origin })
+        let scene = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
+        let start = text.len() - scene.len();
+        let origin = Origin { written, via: None, span: start..text.len() };
+        let place = |span: Range<usize>| origin.part(start + span.start..start + span.end);
+        let tree = scan::scan(scene).map_err(|flaw| place(flaw.span).error(flaw.detail))?;
+        let pieces = vec![Piece { length: scene.len(), origin: origin.clone() }];
+        Ok(Merged { text: scene.to_owned(), tree, pieces, file: origin })
     }
 
     /// The origin of a range of merged bytes; where the range spans several pieces, that of its beginning.

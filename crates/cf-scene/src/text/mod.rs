@@ -27,6 +27,9 @@ impl Flaw {
     }
 }
 
+/// What some editors put before the first character of a file. It says nothing about the text.
+pub(crate) const BYTE_ORDER_MARK: char = '\u{feff}';
+
 /// Line and column (in characters) of a byte, both counted from 1.
 pub fn line_column(text: &str, byte: usize) -> (usize, usize) {
     let mut end = byte.min(text.len());
@@ -34,6 +37,8 @@ pub fn line_column(text: &str, byte: usize) -> (usize, usize) {
         end -= 1;
     }
     let before = &text[..end];
+    // A byte order mark is no character of the first line.
+    let before = before.strip_prefix(BYTE_ORDER_MARK).unwrap_or(before);
     let start = before.rfind('\n').map_or(0, |newline| newline + 1);
     (1 + before.matches('\n').count(), 1 + before[start..].chars().count())
 }

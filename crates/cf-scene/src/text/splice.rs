@@ -45,9 +45,12 @@ impl Set {
         let value_start = equals + 1 + (value.len() - value.trim_start().len());
         let value = value.trim();
         let value_origin = whole.part(value_start..value_start + value.len());
-        let change = Override { path, path_origin, value: value.to_owned(), value_origin };
+        let mut change = Override { path, path_origin, value: value.to_owned(), value_origin };
         let run = left.find(':').map(|colon| left[..colon].trim().to_owned());
-        change.refuse_unscannable()?;
+        // Without the comments around it, which would swallow what stands behind the value in the scene.
+        let bare = change.scanned()?.span;
+        change.value_origin = change.value_origin.part(value_start + bare.start..value_start + bare.end);
+        change.value = change.value[bare].to_owned();
         Ok(Set { run, change })
     }
 
@@ -62,13 +65,14 @@ impl Set {
 }
 
 impl Override {
-    fn refuse_unscannable(&self) -> Result<(), SceneError> {
+    /// The value as a tree.
+    fn scanned(&self) -> Result<Node, SceneError> {
         if self.value.is_empty() {
             let detail = Detail::new("there is no value").expected("a value, such as 0.25").at(self.path.to_string());
             return Err(self.path_origin.error(detail));
         }
         let start = self.value_origin.span.start;
-        scan::scan(&self.value).map(drop).map_err(|flaw| {
+        scan::scan(&self.value).map_err(|flaw| {
             let span = start + flaw.span.start..start + flaw.span.end;
             self.value_origin.part(span).error(flaw.detail.at(self.path.to_string()))
         })
@@ -76,7 +80,7 @@ impl Override {
 
     /// Puts the value where the path leads, creating the last keys of the path where they are missing.
     pub(crate) fn apply(&self, merged: &mut Merged) -> Result<(), SceneError> {
-        self.refuse_unscannable()?;
+        self.scanned()?;
         self.refuse_fixed_sections()?;
         let (node, taken) = merged.tree.follow(&self.path);
         if taken == self.path.0.len() {

@@ -76,7 +76,12 @@ fn malformed_flags() {
     for (flag, parts) in FLAGS {
         let message = told(BASE.as_bytes(), None, &[flag]);
         check(flag, &message, parts, &mut wrong);
-        check(flag, &message, &[&format!("--set {}", flag.chars().take(40).collect::<String>())], &mut wrong);
+        check(
+            flag,
+            &message,
+            &[&format!("--set {}", flag.chars().take(40).take_while(|c| !c.is_control()).collect::<String>())],
+            &mut wrong,
+        );
     }
     assert!(wrong.is_empty(), "{} of {}\n{}", wrong.len(), FLAGS.len(), wrong.join("\n"));
 }
@@ -84,18 +89,27 @@ fn malformed_flags() {
 #[test]
 fn malformed_files() {
     let nested = |open: &str, close: &str| format!("{}1{}", open.repeat(100_000), close.repeat(100_000)).into_bytes();
-    let files: [(&str, Vec<u8>, &[&str]); 20] = [
+    let files: [(&str, Vec<u8>, &[&str]); 25] = [
         ("empty", Vec::new(), &["s.ron:1:1: there is nothing here: expected a value, such as (grid:"]),
         ("blank", b" \n\t ".to_vec(), &["there is nothing here"]),
         ("comment only", b"// nothing\n/* at /* all */ */".to_vec(), &["there is nothing here"]),
         (
             "binary",
             vec![0x7f, b'E', b'L', b'F', 0, 1, 2, 0xff],
-            &["s.ron: this is not text: expected UTF-8, found byte 0xff at offset 7"],
+            &["s.ron:1:8: this is not text: expected UTF-8, found byte 0xff"],
         ),
-        ("truncated UTF-8", b"(a: \"\xe2\x82".to_vec(), &["s.ron: this is not text"]),
+        ("truncated UTF-8", b"(\n  a: \"\xe2\x82".to_vec(), &["s.ron:2:7: this is not text", "byte 0xe2"]),
+        (
+            "Latin-1",
+            b"(\n// \xc3\xa9 \xe9\n)".to_vec(),
+            &["s.ron:2:6: this is not text: expected UTF-8, found byte 0xe9"],
+        ),
+        ("Latin-1 after a mark", b"\xef\xbb\xbf(\xe9".to_vec(), &["s.ron:1:2: this is not text", "byte 0xe9"]),
         ("NUL", b"(\0)".to_vec(), &["s.ron:1:2: no value starts here", "\\u{0}"]),
-        ("byte order mark", "\u{feff}()".into(), &["s.ron:1:1: no value starts here"]),
+        ("byte order mark alone", "\u{feff}".into(), &["s.ron:1:1: there is nothing here"]),
+        ("two byte order marks", "\u{feff}\u{feff}()".into(), &["s.ron:1:1: no value starts here"]),
+        ("byte order mark within", "(\u{feff})".into(), &["s.ron:1:2: no value starts here"]),
+        ("key after a byte order mark", "\u{feff}(gird: 1)".into(), &["s.ron:1:2: unknown key `gird`", "`grid`?"]),
         ("huge", vec![b' '; 2 << 20], &["s.ron:1:1: the text has 2097152 bytes: expected at most 1048576"]),
         ("deep brackets", nested("(", ")"), &["s.ron:1:66: brackets are nested more than 64 deep"]),
         ("deep lists", nested("[", "]"), &["nested more than 64 deep"]),
@@ -117,6 +131,13 @@ fn malformed_files() {
     assert!(wrong.is_empty(), "{}\n{}", wrong.len(), wrong.join("\n"));
 }
 
+#[test]
+fn a_byte_order_mark_says_nothing() {
+    assert_eq!(told(format!("\u{feff}{BASE}").as_bytes(), Some("draft"), &["fast:model.law.k=2.0"]), "");
+    let wrong = told(format!("\u{feff}{}", BASE.replace("tau", "tua")).as_bytes(), None, &[]);
+    assert!(wrong.starts_with("s.ron:6:23: model.law: unknown key `tua`"), "{wrong}");
+}
+
 fn many_keys() -> Vec<u8> {
     let keys: String = (0..80_000).map(|i| format!("k{i}: 1, ")).collect();
     format!("({keys})").into_bytes()
@@ -133,8 +154,49 @@ fn malformed_presets() {
 }
 
 const PRESETS: &[(&str, &str, &str, &[&str])] = &[
-    ("unknown preset", "{}", "daft", &["s.ron: about.presets: there is no preset `daft`", "did you mean `draft`?"]),
-    ("preset not in the table", "{}", "paper", &["there is no preset `paper`: expected `draft` or `standard`"]),
+    ("unknown preset", "{}", "daft", &["--preset daft: there is no preset `daft`", "did you mean `draft`?"]),
+    ("preset with a line break", "{}", "a\nb", &["--preset a\\nb: there is no preset `a\\nb`"]),
+    ("no preset", "{}", "", &["--preset : there is no preset ``: expected `draft` or `standard`"]),
+    (
+        "preset not in the table",
+        "{}",
+        "paper",
+        &["--preset paper: there is no preset `paper`: expected `draft` or `standard`"],
+    ),
+    (
+        "typo in a preset that is not chosen",
+        "{}, \"paper\": {\"grid.cels\": (8, 16)}",
+        "draft",
+        &["s.ron:2:61 (preset \"paper\"): grid: unknown key `cels`", "did you mean `cells`?"],
+    ),
+    (
+        "wrong type in a preset that is not chosen",
+        "{}, \"paper\": {\"run.until\": Never}",
+        "standard",
+        &["s.ron:2:74 (preset \"paper\"): run.until: wrong kind of value: expected a number, found the word `Never`"],
+    ),
+    (
+        "no item in a preset that is not chosen",
+        "{\"model.sources[4].rate\": 1}",
+        "standard",
+        &["s.ron:2:48 (preset \"draft\"): model.sources[4].rate: there is no item [4]"],
+    ),
+    (
+        "preset of another name",
+        "{}, \"drafty\": {}",
+        "draft",
+        &[
+            "s.ron:2:51: about.presets: `drafty` is no preset: expected `draft`, `standard` or `paper`; did you mean `draft`?",
+        ],
+    ),
+    ("preset with a path for a name", "{}, \"../x\": {}", "draft", &["s.ron:2:51: about.presets: `../x` is no preset"]),
+    (
+        "preset within a preset",
+        "{\"about.presets\": {\"draft\": {}}}",
+        "draft",
+        &["s.ron:2:48 (preset \"draft\"): about.presets: an override may not"],
+    ),
+    ("preset twice", "{}, \"draft\": {}", "draft", &["s.ron:2:51: duplicate key `draft`"]),
     (
         "preset of a wrong type",
         "{\"grid.cells\": 3}",

@@ -439,4 +439,168 @@ pub const SCENES: &[Case] = &[
         "EqualBits(runs: (\"slow\", \"slow\"))",
         &["claims[0].statement.runs: these are the same run"],
     ),
+    // steps and time
+    (
+        "waves that cross the box too often",
+        "k: 1.0",
+        "k: 1e300",
+        &["s.ron:12:18: run.until: steps of 6.25e-152 s would not come to the end", "at most 1e10 steps", "model.law"],
+    ),
+    (
+        "medium that crosses the box too often",
+        "(0.0, 0.8)",
+        "(0.0, 1e300)",
+        &["s.ron:12:18: run.until: steps of 0 s would not", "found inf or more"],
+    ),
+    (
+        "short step",
+        "level: Standard",
+        "dt: 1e-300",
+        &[
+            "s.ron:11:20: accuracy.dt: steps of 1e-300 s would not come to the end of the run: expected at most 1e10 steps",
+        ],
+    ),
+    ("small cfl", "level: Standard", "cfl: 5e-324", &["s.ron:11:21: accuracy.cfl: steps of 0 s would not"]),
+    (
+        "short step of a variant",
+        "\"model.law.k\": 0.25",
+        "\"accuracy.dt\": 1e-30",
+        &["s.ron:13:45 (variant \"slow\"): accuracy.dt: steps of 1e-30 s would not"],
+    ),
+    ("frames by the billion", "frames: 4", "frames: 1000000000000000000", &["s.ron:12:31: run.frames", "does not fit"]),
+    ("frames with an exponent", "frames: 4", "frames: 1e18", &["s.ron:12:31: run.frames", "expected a whole number"]),
+    ("frames within Some twice", "frames: 4", "frames: Some(Some(4))", &["s.ron:12:36: run.frames"]),
+    ("steps beyond integers", "frames: 4", "steps: 18446744073709551616", &["s.ron:12:30: run.steps", "does not fit"]),
+    ("every minus zero", "frames: 4", "every: -0.0", &["s.ron:12:30: run.every: out of range", "found -0"]),
+    ("every subnormal", "frames: 4", "every: 5e-324", &["s.ron:12:30: run.every", "found 5e-324"]),
+    (
+        "flow that returns too often",
+        "Uniform((0.0, 0.8))",
+        "Analytic(Deformation(period: 1e-320))",
+        &["s.ron:7:17: model.medium: the flow would return", "at most 1e10 times"],
+    ),
+    // knobs without an effect
+    (
+        "solver that never solves",
+        "level: Standard",
+        "integrator: Kdk, solver: Multigrid",
+        &[
+            "s.ron:11:41: accuracy.solver: Kdk steps explicitly and never solves a system, so this has no effect",
+            "None",
+        ],
+    ),
+    (
+        "tolerance of waves",
+        "level: Standard",
+        "integrator: Characteristic, tolerance: 1e-6",
+        &["s.ron:11:55: accuracy.tolerance: Characteristic steps explicitly and never solves"],
+    ),
+    (
+        "mixed precision without solves",
+        "level: Standard, precision: f64",
+        "integrator: Kdk, precision: mixed",
+        &["s.ron:11:44: accuracy.precision: Kdk never solves a system, for which mixed differs from f64"],
+    ),
+    (
+        "transport of characteristics",
+        "level: Standard",
+        "integrator: Characteristic, advection: Cubic",
+        &["s.ron:11:55: accuracy.advection: Characteristic carries phi with its waves, so this has no effect"],
+    ),
+    (
+        "solver of one variant",
+        "\"model.law.k\": 0.25",
+        "\"accuracy.integrator\": Kdk, \"accuracy.solver\": Chebyshev",
+        &["s.ron:13:77 (variant \"slow\"): accuracy.solver: Kdk steps explicitly"],
+    ),
+    // obstacles
+    (
+        "all solid",
+        "rate: 50.0)],",
+        "rate: 50.0)], obstacles: [Below(axis: X, at: 0.7), Above(axis: X, at: 0.6)],",
+        &["s.ron:9:91: model.obstacles: the obstacles fill every cell: there is nothing left to simulate"],
+    ),
+    (
+        "source in the solid",
+        "rate: 50.0)],",
+        "rate: 50.0)], obstacles: [Ball(center: (0.5, 0.5), radius: 0.3)],",
+        &["s.ron:9:27: model.sources[0].shape: every cell of this shape is solid", "reaches out of model.obstacles"],
+    ),
+    // claims about nothing
+    (
+        "nothing upstream",
+        "MassBudget(tolerance: 1e-12)",
+        "NoUpstreamTail(run: \"fast\", cells: 9, fraction: 1e-3)",
+        &["s.ron:18:61: claims[0].statement: run `fast` has no cells further than 9 cells upstream of source [0]"],
+    ),
+    (
+        "nothing upstream by far",
+        "MassBudget(tolerance: 1e-12)",
+        "Within(quantity: UpstreamLeak(cells: 18446744073709551615), run: \"fast\", high: 1.0)",
+        &["claims[0].statement: run `fast` has no cells further than 18446744073709551615 cells upstream"],
+    ),
+    // shapes and sizes
+    (
+        "no radius",
+        "radius: 0.1",
+        "radius: 0.0",
+        &["s.ron:9:60: model.sources[0].shape.radius: out of range", "found 0"],
+    ),
+    (
+        "point for a source",
+        "Ball(center: (0.5, 0.5), radius: 0.1)",
+        "Box(low: (0.5, 0.5), high: (0.5, 0.5))",
+        &["s.ron:9:27: model.sources[0].shape: the shape is so small"],
+    ),
+    (
+        "subnormal Gaussian",
+        "Ball(center: (0.5, 0.5), radius: 0.1)",
+        "Gaussian(center: (0.5, 0.5), width: 5e-324)",
+        &["s.ron:9:63: model.sources[0].shape.width", "a quarter of a cell, 0.015625, found 5e-324"],
+    ),
+    ("subnormal extent", "(1.0, 2.0)", "(5e-324, 1e-323)", &["s.ron:3:37: grid.extent: the cells are too small"]),
+    (
+        "huge extent",
+        "(1.0, 2.0)",
+        "(1e300, 2e300)",
+        &["model.sources[0].shape: the shape is so small", "6.25e298 wide"],
+    ),
+    (
+        "box far from the origin",
+        "(1.0, 2.0)",
+        "(1.0, 2.0), origin: (1e300, 0.0)",
+        &["model.sources[0].shape: the shape lies wholly outside", "x somewhere in 1e300 to 1e300, found 0.4 to 0.6"],
+    ),
+    (
+        "subnormal tau",
+        "tau: 4.0",
+        "tau: 5e-324",
+        &["s.ron:6:14: model.law: these numbers give", "tau = 5e-324 and c = inf"],
+    ),
+    ("tau of minus zero", "tau: 4.0", "tau: -0.0", &["s.ron:4:76: sides.y.high: a law without waves"]),
+    ("no k", "k: 1.0", "k: 0.0", &["s.ron:4:76: sides.y.high: a law without waves"]),
+    ("hexadecimal number", "k: 1.0", "k: 0x10", &["s.ron:6:18: model.law.k", "found the number 0x10"]),
+    ("number with a suffix", "k: 1.0", "k: 1.0f32", &["s.ron:6:18: model.law.k", "found the number 1.0f32"]),
+    // names
+    (
+        "name with a line break",
+        "\"fast\"",
+        "\"fa\\nst\"",
+        &["s.ron:14:16: run.variants[1].name: this name cannot", "fa\\\\nst"],
+    ),
+    ("name of dots", "\"fast\"", "\"..\"", &["s.ron:14:16: run.variants[1].name: this name cannot be part of a file"]),
+    ("name in other letters", "\"fast\"", "\"ﬂüß∇\"", &["s.ron:14:16: run.variants[1].name: this name cannot be part"]),
+    (
+        "names that differ in case",
+        "\"fast\"",
+        "\"SLOW\"",
+        &["s.ron:14:16: run.variants[1].name: `SLOW` differs from `slow` only in case"],
+    ),
+    (
+        "label of two lines",
+        "(name: \"fast\")",
+        "(name: \"fast\", label: \"a\\nb\")",
+        &["s.ron:14:31: run.variants[1].label: this does not fit on a line: expected at most 200 characters"],
+    ),
+    ("title with a NUL", "\"test\"", "\"te\\u{0}st\"", &["s.ron:2:20: about.title: this does not fit on a line"]),
 ];

@@ -1,0 +1,223 @@
+//! What is solved: a box, its walls, a strength, a tolerance, numbers, threads.
+
+use cf_grid::{Layout, Real, Sides};
+use clap::ValueEnum;
+use std::fmt;
+use std::str::FromStr;
+
+/// Cells per axis, two or three of them: `256x256x256`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Cells(pub Vec<usize>);
+
+/// What all sides of the box are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Walls {
+    /// Nothing goes through.
+    Closed,
+    /// Held at zero half a cell behind the last cell: conductance 2 kappa.
+    Valued,
+    /// Opposite sides are joined.
+    Periodic,
+}
+
+/// The equation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Strength {
+    /// alpha = 1 and this kappa = beta/h².
+    Kappa(f64),
+    /// alpha = 0 and kappa = 1.
+    Poisson,
+}
+
+/// Precision of the vectors and of the preconditioner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Numbers {
+    /// Both in double precision.
+    F64,
+    /// Double precision, preconditioned in single.
+    Mixed,
+    /// Both in single precision.
+    F32,
+}
+
+/// Relative 2-norm of the residual at which a solve ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance(pub f64);
+
+/// A solve to be measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Problem {
+    pub cells: Cells,
+    pub walls: Walls,
+    pub strength: Strength,
+    pub tolerance: Tolerance,
+    pub numbers: Numbers,
+    pub threads: usize,
+}
+
+impl Problem {
+    /// (alpha, kappa).
+    pub fn coefficients(&self) -> (f64, f64) {
+        match self.strength {
+            Strength::Kappa(kappa) => (1.0, kappa),
+            Strength::Poisson => (0.0, 1.0),
+        }
+    }
+
+    /// The conductances of the walls.
+    pub fn sides<const D: usize>(&self) -> Sides<f64, D> {
+        match self.walls {
+            Walls::Closed => Sides::all(0.0),
+            Walls::Valued => Sides::all(2.0 * self.coefficients().1),
+            Walls::Periodic => Sides::periodic(),
+        }
+    }
+
+    /// Bytes of one number of a vector.
+    pub fn bytes(&self) -> usize {
+        if self.numbers == Numbers::F32 { size_of::<f32>() } else { size_of::<f64>() }
+    }
+}
+
+/// Noise without its mean: a right-hand side with every frequency, which a Poisson problem can satisfy.
+pub fn noise<T: Real, const D: usize>(layout: &Layout<D>) -> Vec<T> {
+    let mut b = vec![T::ZERO; layout.slots()];
+    layout.par_cells(&mut b, |at| T::of(rough(&at.cell)));
+    let mean = layout.sum(&b) / layout.count() as f64;
+    layout.par_cells(&mut b, |at| T::of(rough(&at.cell) - mean));
+    b
+}
+
+/// A number between -1 and 1 that has nothing to do with its neighbours'; `benches/peers` has the same formula.
+pub fn rough(cell: &[usize]) -> f64 {
+    let mixed = cell.iter().fold(0x9E37_79B9_7F4A_7C15_u64, |h, &i| {
+        let h = (h ^ i as u64).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        h ^ (h >> 29)
+    });
+    (mixed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+}
+
+impl Cells {
+    /// Their number; the largest there is where it is larger.
+    pub fn count(&self) -> usize {
+        self.0.iter().fold(1, |count, &n| count.saturating_mul(n))
+    }
+}
+
+impl FromStr for Cells {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let axes: Result<Vec<usize>, _> = text.split('x').map(str::parse).collect();
+        match axes {
+            Ok(axes) if (2..=3).contains(&axes.len()) && !axes.contains(&0) => Ok(Cells(axes)),
+            _ => Err("expected two or three axes of at least one cell, such as 1024x1024 or 128x128x128".into()),
+        }
+    }
+}
+
+impl FromStr for Strength {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match (text, text.parse()) {
+            ("poisson", _) => Ok(Strength::Poisson),
+            (_, Ok(kappa)) if f64::is_finite(kappa) && kappa > 0.0 => Ok(Strength::Kappa(kappa)),
+            _ => Err("expected a positive number or `poisson`".into()),
+        }
+    }
+}
+
+impl FromStr for Tolerance {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.parse() {
+            Ok(tolerance) if tolerance > 0.0 && tolerance < 1.0 => Ok(Tolerance(tolerance)),
+            _ => Err("expected a number between 0 and 1, such as 1e-6".into()),
+        }
+    }
+}
+
+impl fmt::Display for Cells {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let axes: Vec<String> = self.0.iter().map(ToString::to_string).collect();
+        f.write_str(&axes.join("x"))
+    }
+}
+
+impl fmt::Display for Walls {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Walls::Closed => "closed",
+            Walls::Valued => "valued",
+            Walls::Periodic => "periodic",
+        })
+    }
+}
+
+impl fmt::Display for Strength {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Strength::Kappa(kappa) => write!(f, "{kappa}"),
+            Strength::Poisson => f.write_str("poisson"),
+        }
+    }
+}
+
+impl fmt::Display for Numbers {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Numbers::F64 => "f64",
+            Numbers::Mixed => "mixed",
+            Numbers::F32 => "f32",
+        })
+    }
+}
+
+impl fmt::Display for Tolerance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:e}", self.0)
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Problem { cells, walls, strength, tolerance, numbers, threads } = self;
+        let kappa = if *strength == Strength::Poisson { "" } else { "kappa " };
+        let plural = if *threads == 1 { "" } else { "s" };
+        write!(f, "{cells} {walls} {kappa}{strength} to {tolerance} in {numbers}, {threads} thread{plural}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_are_read_and_printed_alike() {
+        for text in ["1024x1024", "97x61x45"] {
+            assert_eq!(text.parse::<Cells>().map(|cells| cells.to_string()).as_deref(), Ok(text));
+        }
+        for text in ["", "64", "8x8x8x8", "8x0", "8x-8", "8 x 8"] {
+            assert!(text.parse::<Cells>().is_err(), "{text}");
+        }
+        for text in ["poisson", "0.1", "100000"] {
+            assert_eq!(text.parse::<Strength>().map(|strength| strength.to_string()).as_deref(), Ok(text));
+        }
+        for text in ["0", "-1", "inf", "NaN", "Laplace"] {
+            assert!(text.parse::<Strength>().is_err(), "{text}");
+        }
+        assert_eq!("0.000001".parse::<Tolerance>().map(|t| t.to_string()).as_deref(), Ok("1e-6"));
+        assert!(["0", "1", "NaN"].iter().all(|text| text.parse::<Tolerance>().is_err()));
+    }
+
+    #[test]
+    fn noise_has_no_mean_and_is_no_smaller_anywhere() {
+        let layout = Layout::new([16, 8]).unwrap();
+        let b = noise::<f64, 2>(&layout);
+        assert!(layout.sum(&b).abs() < 1e-13);
+        let square = layout.dot(&b, &b) / layout.count() as f64;
+        assert!((square - 1.0 / 3.0).abs() < 0.1, "{square}");
+    }
+}

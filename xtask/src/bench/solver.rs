@@ -1,0 +1,138 @@
+//! Our solver on one problem.
+
+use super::problem::{Numbers, Problem, Strength, noise};
+use super::{numerical, timing};
+use crate::failure::Failure;
+use crate::pool;
+use cf_grid::{Layout, Real};
+use cf_linear::{Helmholtz, Options, Plan, Precision, SolveError, Solver, Stop};
+
+/// From this kappa on the plan is multigrid, whatever [`Plan::choose`] says; a Poisson problem counts as larger.
+pub const MULTIGRID_FROM: f64 = 10.0;
+
+/// One solve that was timed, and what was solved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Turn {
+    pub iterations: usize,
+    /// Of the solve \[s\].
+    pub seconds: f64,
+    /// Of building the solver \[s\].
+    pub setup_seconds: f64,
+    /// What the first iterations took longer than those that were timed, because the memory was new \[s\].
+    pub new_seconds: f64,
+    /// Held for the solve: solver, b and x.
+    pub bytes: f64,
+    /// ‖b - A x‖/‖b‖, formed anew from x.
+    pub residual: f64,
+    /// 2-norm of x without its mean, by which solutions of different programs are compared.
+    pub norm: f64,
+    /// Where the method has reasons.
+    pub plan: Option<String>,
+}
+
+/// All turns of a method on a problem; at least one.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    pub problem: Problem,
+    pub method: String,
+    pub turns: Vec<Turn>,
+}
+
+impl Measured {
+    /// The median over the turns.
+    pub fn median(&self, of: impl Fn(&Turn) -> f64) -> f64 {
+        timing::median(self.turns.iter().map(of))
+    }
+
+    /// Iterations, the same in every turn.
+    pub fn iterations(&self) -> usize {
+        self.turns.last().map_or(0, |turn| turn.iterations)
+    }
+}
+
+/// Solves at least `runs` times, short ones until their times add up to something.
+pub fn measure(problem: &Problem, runs: usize) -> Result<Measured, Failure> {
+    const ENOUGH: f64 = 0.3;
+    const MOST: usize = 15;
+    let (mut turns, mut spent) = (Vec::new(), 0.0);
+    while turns.len() < runs || (spent < ENOUGH && turns.len() < MOST) {
+        let turn = turn(problem)?;
+        spent += turn.seconds;
+        turns.push(turn);
+    }
+    Ok(Measured { problem: problem.clone(), method: method(&turns), turns })
+}
+
+/// What our rows are called.
+pub fn method(turns: &[Turn]) -> String {
+    let plan = turns.iter().find_map(|turn| turn.plan.as_deref()).unwrap_or_default();
+    format!("cf {}", plan.split(':').next().unwrap_or_default())
+}
+
+/// Builds a solver, touches its memory, solves once, and looks at the solution.
+pub fn turn(problem: &Problem) -> Result<Turn, Failure> {
+    let done = pool::within(problem.threads, || match problem.cells.0[..] {
+        [x, y] => by_numbers(problem, [x, y]),
+        [x, y, z] => by_numbers(problem, [x, y, z]),
+        _ => Err(numerical("a box has two or three axes")),
+    })?;
+    done.map_err(|error| match error {
+        Failure::Words(exit, words) => Failure::Words(exit, format!("{problem}: {words}")),
+        other => other,
+    })
+}
+
+fn by_numbers<const D: usize>(problem: &Problem, cells: [usize; D]) -> Result<Turn, Failure> {
+    let layout = Layout::new(cells).map_err(numerical)?;
+    match problem.numbers {
+        Numbers::F64 => solve::<f64, D>(problem, &layout, Precision::Full),
+        Numbers::Mixed => solve::<f64, D>(problem, &layout, Precision::Single),
+        Numbers::F32 => solve::<f32, D>(problem, &layout, Precision::Full),
+    }
+    .map_err(numerical)
+}
+
+fn solve<T: Real, const D: usize>(
+    problem: &Problem,
+    layout: &Layout<D>,
+    precision: Precision,
+) -> Result<Turn, SolveError> {
+    let (alpha, kappa) = problem.coefficients();
+    let tolerance = problem.tolerance.0;
+    let large = problem.strength == Strength::Poisson || kappa >= MULTIGRID_FROM;
+    let options =
+        Options { plan: large.then_some(Plan::Multigrid), precision, reduction: tolerance, ..Options::default() };
+    let b = noise::<T, D>(layout);
+    let mut x = vec![T::ZERO; layout.slots()];
+    let (solver, setup_seconds) = timing::timed(|| {
+        let operator = Helmholtz::new(layout, alpha, kappa, problem.sides());
+        Solver::<T, D>::new(&operator, options)
+    });
+    let mut solver = solver?;
+    let (first, first_seconds) = timing::timed(|| solver.solve(&b, &mut x, Stop::Relative(0.5)));
+    let (done, seconds) = timing::timed(|| solver.solve(&b, &mut x, Stop::Relative(tolerance)));
+    let (first, iterations) = (first?.iterations, done?.iterations);
+    let new_seconds = newness([first, iterations], [first_seconds, seconds]);
+    let bytes = (solver.bytes() + (b.len() + x.len()) * size_of::<T>()) as f64;
+    let (sum, square) = (layout.sum(&x), layout.dot(&x, &x));
+    let norm = (square - sum * sum / layout.count() as f64).max(0.0).sqrt();
+    let residual = residual(&solver, layout, &b, &mut x);
+    let plan = Some(solver.choice().to_string());
+    Ok(Turn { iterations, seconds, setup_seconds, new_seconds, bytes, residual, norm, plan })
+}
+
+/// What the first iterations took longer than the later ones, at least 0.
+pub fn newness(iterations: [usize; 2], seconds: [f64; 2]) -> f64 {
+    let [first, later] = [iterations[0] as f64, iterations[1].max(1) as f64];
+    (seconds[0] - first * seconds[1] / later).max(0.0)
+}
+
+/// ‖b - A x‖/‖b‖; A x is rounded to the precision of `T`.
+fn residual<T: Real, const D: usize>(solver: &Solver<T, D>, layout: &Layout<D>, b: &[T], x: &mut [T]) -> f64 {
+    let mut r = vec![T::ZERO; layout.slots()];
+    solver.apply(x, &mut r);
+    layout.par_runs(layout.cells_region(), &mut r[..], |run, row: &mut [T]| {
+        row.iter_mut().zip(run.row(b)).for_each(|(r, &b)| *r = T::of(b.f64() - r.f64()));
+    });
+    (layout.dot(&r, &r) / layout.dot(b, b)).sqrt()
+}

@@ -30,10 +30,10 @@ impl fmt::Display for Choice {
     }
 }
 
-/// Passes over the data of one Chebyshev iteration: x, b, the last x, and the store.
-const CHEBYSHEV_PASSES: f64 = 4.0;
-/// Passes of one PCG + V(1,1) iteration, with about [`MULTIGRID_ITERATIONS`] to gain six digits.
-const MULTIGRID_PASSES: f64 = 26.0;
+/// Passes over the data of one Chebyshev iteration, start and end of the solve included, as measured (docs/solver.md).
+const CHEBYSHEV_PASSES: f64 = 6.0;
+/// The same of one PCG + V(1,1) iteration.
+const MULTIGRID_PASSES: f64 = 23.0;
 
 impl Plan {
     /// Chooses by predicted passes over the data for a residual reduction of `tolerance` (model/diffusion.md 5.3, 5.9).

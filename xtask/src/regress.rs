@@ -50,6 +50,17 @@ const CASES: &[Case] = &[
         scene: "fig04_fourier_share",
         sets: &["grid.cells=(32, 64)", "run.until=2.5", "run.frames=1", "accuracy.tolerance=1e-12"],
     },
+    Case {
+        name: "fig06_spray",
+        scene: "fig06_spray",
+        sets: &[
+            "grid.cells=(16, 32, 16)",
+            "run.until=2.5",
+            "run.frames=1",
+            "accuracy.level=Standard",
+            "accuracy.tolerance=1e-6",
+        ],
+    },
     Case { name: "appendix_a_pitfall", scene: "appendix_a_pitfall", sets: &["grid.cells=(200)", "run.until=1"] },
 ];
 

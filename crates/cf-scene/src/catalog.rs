@@ -28,6 +28,7 @@ macro_rules! catalog {
 catalog! {
     "3": "fig03_cones",
     "4": "fig04_fourier_share",
+    "6": "fig06_spray",
     "A": "appendix_a_pitfall",
 }
 

@@ -45,6 +45,7 @@ mod error;
 mod explicit;
 mod implicit;
 mod law;
+mod limiter;
 pub mod medium;
 mod regime;
 mod source;

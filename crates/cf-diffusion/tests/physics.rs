@@ -213,3 +213,21 @@ fn a_source_emits_for_its_share_of_the_step() {
         assert!((emitted / expected - 1.0).abs() < 1e-12 && (state.mass(&case.grid) / expected - 1.0).abs() < 1e-12);
     }
 }
+
+/// Between walls that hold phi a cell rounds the same way step after step; the sum must not drift for it.
+#[test]
+fn the_mass_of_long_runs_is_kept_in_single_precision() {
+    let law = Law::cattaneo(0.05, 1.0).unwrap();
+    for (integrator, dt) in [(Integrator::Kdk, 0.03), (Integrator::PaperBe, 0.3)] {
+        let case = line(480, 20.0, [Wall::Value(0.5), Wall::Value(1.5)], law, integrator, dt);
+        let mut state = case.random_state::<f32>(&mut Random(3), 1.0, 0.1);
+        let mut stepper = case.stepper::<f32>().unwrap();
+        let (mut expected, size) = (state.mass(&case.grid), 480.0 * case.grid.cell_volume());
+        for _ in 0..20_000 {
+            let report = stepper.step(&mut state, &Medium::Still, Source::NONE, dt).unwrap();
+            expected += report.emitted - report.outflow;
+        }
+        let drift = (state.mass(&case.grid) - expected) / size;
+        assert!(drift.abs() < 1e-6, "{integrator:?}: {drift:e}");
+    }
+}

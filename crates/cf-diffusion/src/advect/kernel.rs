@@ -2,17 +2,9 @@
 
 use cf_grid::Real;
 
-use super::sites::CHUNK;
+use crate::limiter::slope2;
 
-/// Twice the slope of a cell from its one-sided differences `a` and `b`, limited by MC: their sum, at most four times
-/// the smaller, 0 at an extremum.
-#[inline(always)]
-fn slope2<T: Real>(a: T, b: T) -> T {
-    let four = T::of(4.0);
-    let most = (four * a.min(b)).max(T::ZERO);
-    let least = (four * a.max(b)).min(T::ZERO);
-    (a + b).min(most).max(least)
-}
+use super::sites::CHUNK;
 
 /// ν⁺ (l + (1−ν) s_l/2) + ν⁻ (r − (1+ν) s_r/2): what crosses a face in a step, in units of a cell's content.
 #[inline(always)]

@@ -12,14 +12,7 @@
 
 use cf_grid::Real;
 
-/// Twice the MC slope from the differences `a` and `b` to either side.
-#[inline(always)]
-fn slope2<T: Real>(a: T, b: T) -> T {
-    let four = T::of(4.0);
-    let most = (four * a.min(b)).max(T::ZERO);
-    let least = (four * a.max(b)).min(T::ZERO);
-    (a + b).min(most).max(least)
-}
+use crate::limiter::slope2;
 
 /// The rows `[second, first, own, down]` a wave meets from upwind on, of the five rows in storage order.
 #[inline(always)]
@@ -52,16 +45,6 @@ pub(super) fn rise<T: Real>(weight: T, behind: T, upwind: T, ahead: T) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn slopes_are_limited() {
-        assert_eq!(slope2(1.0, 2.0), 3.0);
-        assert_eq!(slope2(-2.0, -1.0), -3.0);
-        assert_eq!(slope2(1.0, 9.0), 4.0);
-        assert_eq!(slope2(-9.0, -1.0), -4.0);
-        assert_eq!(slope2(1.0, -2.0), 0.0);
-        assert_eq!(slope2(0.0f32, 5.0), 0.0);
-    }
 
     #[test]
     fn waves_of_one_cell_a_step_are_shifts_and_resting_waves_rest() {

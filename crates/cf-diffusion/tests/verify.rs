@@ -33,6 +33,17 @@ fn nothing_breaks_at_the_edges() {
     }
 }
 
+/// Cases of long runs that once failed: a flux that underflows in single precision, walls whose flux dwarfs what is inside,
+/// a solve that stops a rounding above its goal.
+#[test]
+fn corners_found_before_stay_mended() {
+    let found = [("h", 0x50e7_f21c_2eb0_d7f0), ("walls", 0xdb78_ebb8_8c8d_c9b0), ("long run", 0x1473_53b3_73ae_7786)];
+    for (name, seed) in found {
+        let worst = verify::repeat(name, seed).expect("a corner of this name").expect("it runs");
+        assert!(worst <= 1.0, "{name}: {worst}");
+    }
+}
+
 #[test]
 fn a_case_can_be_repeated() {
     for corner in verify::extremes(64, 5) {

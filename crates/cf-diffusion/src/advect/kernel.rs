@@ -75,7 +75,23 @@ pub(super) fn flux_form<T: Real>(v: [&[T]; 5], low: &[T], high: &[T], add: &[T],
     }
 }
 
-/// The same where ν is one number: out = φ − |ν| (φ − φ_1 + (1−|ν|)(s − s_1)/2), with the first and second upwind
+/// [`flux_form`] with the slopes of the rows before, at and behind φ times `steep`.
+#[inline(always)]
+pub(super) fn flux_form_with<T: Real>(v: [&[T]; 5], steep: [&[T]; 3], low: &[T], high: &[T], add: &[T], out: &mut [T]) {
+    let n = out.len();
+    let [v0, v1, v2, v3, v4] = v.map(|row| &row[..n]);
+    let [steep1, steep2, steep3] = steep.map(|row| &row[..n]);
+    let (low, high, add) = (&low[..n], &high[..n], &add[..n]);
+    for i in 0..n {
+        let (a, b, c, d) = (v1[i] - v0[i], v2[i] - v1[i], v3[i] - v2[i], v4[i] - v3[i]);
+        let s = steep2[i] * slope2(b, c);
+        let in_low = flux(low[i], v1[i], steep1[i] * slope2(a, b), v2[i], s);
+        let in_high = flux(high[i], v2[i], s, v3[i], steep3[i] * slope2(c, d));
+        out[i] = v2[i] - (in_high - in_low) + add[i];
+    }
+}
+
+/// [`flux_form`] where ν is one number: out = φ − |ν| (φ − φ_1 + (1−|ν|)(s − s_1)/2), with the first and second upwind
 /// rows and the downwind row. A constant stays what it is to the bit.
 #[inline(always)]
 pub(super) fn uniform<T: Real>(nu: T, second: &[T], first: &[T], own: &[T], down: &[T], out: &mut [T]) {

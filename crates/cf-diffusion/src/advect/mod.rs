@@ -62,8 +62,8 @@ pub struct Transported {
 
 /// Carries φ \[P\] and q_C \[P m/s\] on one grid.
 ///
-/// Owns all storage a step needs: one cell-sized array, and a second one from the first conservative step in 3D whose
-/// velocity varies.
+/// Owns all storage a step needs: one cell-sized array, a second one from the first conservative step in 3D whose
+/// velocity varies, and two flags per cell from the first that diverges strongly.
 #[derive(Debug, Clone)]
 pub struct Advector<T, const D: usize> {
     grid: Grid<D>,
@@ -74,6 +74,8 @@ pub struct Advector<T, const D: usize> {
     faces: [Sites<D>; D],
     work: CellField<T>,
     second: Option<CellField<T>>,
+    /// Flags of strongly divergent cells, and of these with their neighbours, by slot; empty until there are some.
+    divergent: [Vec<bool>; 2],
     reversed: bool,
 }
 
@@ -99,6 +101,7 @@ impl<T: Real, const D: usize> Advector<T, D> {
             faces: std::array::from_fn(|a| Sites::faces(layout, sides, a)),
             work: CellField::new(layout),
             second: None,
+            divergent: [Vec::new(), Vec::new()],
             reversed: false,
         }
     }
@@ -106,7 +109,7 @@ impl<T: Real, const D: usize> Advector<T, D> {
     /// Bytes of storage held now.
     pub fn bytes(&self) -> usize {
         let mask = self.mask.as_ref().map_or(0, |m| m.fluid().len());
-        self.work.bytes() + self.second.as_ref().map_or(0, CellField::bytes) + mask
+        self.work.bytes() + self.second.as_ref().map_or(0, CellField::bytes) + mask + 2 * self.divergent[0].len()
     }
 
     /// Whether the next conservative sub-step sweeps the last axis first. Part of the state: a resumed run sets it with
@@ -175,14 +178,21 @@ impl<T: Real, const D: usize> Advector<T, D> {
         if matches!(flow, Flow::Field { ratio, .. } if !ratio.is_finite()) {
             return Err(AdvectError::Step { dt });
         }
+        let stream = Stream { flow, fluid: self.mask.as_ref().map(Mask::fluid) };
+        let mut flags = std::mem::take(&mut self.divergent);
+        let divergent = match self.method {
+            Advection::Muscl => muscl::divergent_cells(&self.cells, &stream, moving, &mut flags),
+            Advection::Cubic | Advection::Linear => None,
+        };
         let mut outflow = 0.0;
         for _ in 0..substeps {
             outflow += match self.method {
-                Advection::Muscl => self.muscl(phi, slow_flux.as_deref_mut(), flow, moving),
+                Advection::Muscl => self.muscl(phi, slow_flux.as_deref_mut(), flow, moving, divergent),
                 Advection::Cubic => self.fetch::<4>(phi, slow_flux.as_deref_mut(), medium, flow, ratio),
                 Advection::Linear => self.fetch::<2>(phi, slow_flux.as_deref_mut(), medium, flow, ratio),
             };
         }
+        self.divergent = flags;
         Ok(Transported { outflow: outflow * self.grid.cell_volume(), substeps })
     }
 
@@ -210,6 +220,7 @@ impl<T: Real, const D: usize> Advector<T, D> {
         slow_flux: Option<&mut FaceField<T, D>>,
         flow: Flow<'_, T, D>,
         moving: [bool; D],
+        divergent: Option<&[bool]>,
     ) -> f64 {
         let mut order = [0; D];
         let mut axes = 0;
@@ -228,10 +239,12 @@ impl<T: Real, const D: usize> Advector<T, D> {
             self.second.get_or_insert_with(|| CellField::new(self.grid.layout()));
         }
         let second = self.second.as_deref_mut().unwrap_or_default();
-        let outflow = muscl::step(&self.cells, stream, Form::Conservative, order, phi, (&mut self.work, second));
+        let form = (Form::Conservative, divergent);
+        let outflow = muscl::step(&self.cells, stream, form, order, phi, (&mut self.work, second));
         if let Some(q) = slow_flux {
             for a in 0..D {
-                muscl::step(&self.faces[a], stream, Form::Advective, order, q.axis_mut(a), (&mut self.work, &mut []));
+                let form = (Form::Advective, None);
+                muscl::step(&self.faces[a], stream, form, order, q.axis_mut(a), (&mut self.work, &mut []));
             }
         }
         outflow
@@ -247,7 +260,9 @@ impl<T: Real, const D: usize> Advector<T, D> {
     ) -> f64 {
         let fluid = self.mask.as_ref().map(Mask::fluid);
         let stream = Stream { flow, fluid };
-        let through = |axis| Sweep { sites: &self.cells, stream, axis, dilatation: Dilatation::Absent }.outflow(phi);
+        let through = |axis| {
+            Sweep { sites: &self.cells, stream, axis, dilatation: Dilatation::Absent, divergent: None }.outflow(phi)
+        };
         let outflow = (0..D).map(through).sum();
         semi_lagrangian::step::<T, D, K>(&self.cells, medium, fluid, ratio, phi, &mut self.work);
         if let Some(q) = slow_flux {

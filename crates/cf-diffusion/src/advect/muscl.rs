@@ -1,10 +1,12 @@
 //! Dimension splitting: which sweep reads and writes what (model section 6.6).
 
-use cf_grid::{Layout, Real, Region};
+use std::ops::Range;
+
+use cf_grid::{Layout, Max, Real, Region, Run};
 
 use super::flow::Stream;
-use super::sites::Sites;
-use super::sweep::{Dilatation, Start, Sweep};
+use super::sites::{CHUNK, Chunk, Sites, unit};
+use super::sweep::{Dilatation, Start, Sweep, divergence, divergent};
 
 /// Whether sums or bounds come first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,13 +23,14 @@ pub(super) enum Form {
 pub(super) fn step<T: Real, const D: usize>(
     sites: &Sites<D>,
     stream: Stream<'_, T, D>,
-    form: Form,
+    (form, divergent): (Form, Option<&[bool]>),
     axes: &[usize],
     field: &mut [T],
     (work, second): (&mut [T], &mut [T]),
 ) -> f64 {
     let varying = axes.iter().any(|&a| stream.uniform(a).is_none());
-    let sweep = |axis| Sweep { sites, stream, axis, dilatation: Dilatation::Absent };
+    let divergent = divergent.filter(|_| form == Form::Conservative);
+    let sweep = |axis| Sweep { sites, stream, axis, dilatation: Dilatation::Absent, divergent };
     let keep = form == Form::Conservative && varying;
     let own = |start| if varying { Dilatation::Own(start) } else { Dilatation::Absent };
     let with = |axis, dilatation| Sweep { dilatation, ..sweep(axis) };
@@ -60,7 +63,7 @@ pub(super) fn step<T: Real, const D: usize>(
             with(a, own(Start::Read)).run(Some(field), work);
             out += leaves(b, work);
             let start = Dilatation::Own(Start::Field(field));
-            Sweep { sites, stream, axis: b, dilatation: start }.run(Some(work), second);
+            Sweep { sites, stream, axis: b, dilatation: start, divergent }.run(Some(work), second);
             out += leaves(c, second);
             with(c, Dilatation::Undo(&axes[..2], Start::Written)).run(Some(second), field);
         }
@@ -83,6 +86,54 @@ pub(super) fn step<T: Real, const D: usize>(
         _ => {}
     }
     out
+}
+
+/// Flags the cells that are [`divergent`] in a sub-step along the axes that move, and their neighbours, through which they
+/// would still see slopes; `None` if there is none.
+pub(super) fn divergent_cells<'f, T: Real, const D: usize>(
+    sites: &Sites<D>,
+    stream: &Stream<'_, T, D>,
+    moving: [bool; D],
+    [own, flags]: &'f mut [Vec<bool>; 2],
+) -> Option<&'f [bool]> {
+    let (mut axes, mut count) = ([0; D], 0);
+    for axis in (0..D).filter(|&a| moving[a]) {
+        axes[count] = axis;
+        count += 1;
+    }
+    let axes = &axes[..count];
+    if axes.iter().all(|&a| stream.uniform(a).is_some()) {
+        return None;
+    }
+    let layout = &sites.layout;
+    let net_of = |run: &Run<'_, D>, range: &Range<usize>| {
+        let mut net = [T::ZERO; CHUNK];
+        divergence(sites, stream, axes, Chunk::of(run, range), &mut net[..range.len()]);
+        net
+    };
+    let largest: Max = layout.par_runs(sites.region, (), |run, ()| {
+        let net = |range| net_of(&run, &range).into_iter().fold(0.0, |m: f64, net| m.max(net.f64().abs()));
+        Max(Chunk::<D>::ranges(run.len()).map(net).fold(0.0, f64::max))
+    });
+    if !divergent(largest.0) {
+        return None;
+    }
+    own.resize(layout.slots(), false);
+    flags.resize(layout.slots(), false);
+    layout.par_runs(sites.region, &mut own[..], |run, flags: &mut [bool]| {
+        for range in Chunk::<D>::ranges(run.len()) {
+            let net = net_of(&run, &range);
+            for (flag, net) in flags[range].iter_mut().zip(net) {
+                *flag = divergent(net.f64());
+            }
+        }
+    });
+    layout.par_cells(&mut flags[..], |at| {
+        let cell = std::array::from_fn(|a| at.cell[a]);
+        let beside = |axis| [-1, 1].into_iter().any(|by| own[sites.slot(cell, unit(axis, by))]);
+        own[at.slot()] || axes.iter().any(|&axis| beside(axis))
+    });
+    Some(flags)
 }
 
 /// Copies the values of a region.

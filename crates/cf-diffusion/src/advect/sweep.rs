@@ -3,8 +3,8 @@
 use cf_grid::{End, Real, Run};
 
 use super::flow::Stream;
-use super::kernel::{Window, flux_form, flux_form_window, uniform_five, uniform_window};
-use super::sites::{CHUNK, Chunk, Sites};
+use super::kernel::{Window, flux_form, flux_form_window, flux_form_with, uniform_five, uniform_window};
+use super::sites::{CHUNK, Chunk, Sites, unit};
 
 /// Which φ the dilatation term multiplies.
 #[derive(Debug, Clone, Copy)]
@@ -36,6 +36,34 @@ pub(super) struct Sweep<'s, T, const D: usize> {
     pub stream: Stream<'s, T, D>,
     pub axis: usize,
     pub dilatation: Dilatation<'s, T>,
+    /// Flags by slot of the cells that are [`divergent`] and of their neighbours, if there are any.
+    pub divergent: Option<&'s [bool]>,
+}
+
+/// Whether a cell gains or loses so much of its volume in a sub-step, Σ (ν_R − ν_L) over all axes, that slopes and the
+/// splitting of the dilatation make no sense there. A cell that empties to both sides may lie on a steep slope between
+/// large values of opposite sign: it would emit far more than it holds, a factor per sub-step without bound. Such cells
+/// are constant inside and have no dilatation term: first-order flux form, of which Σ|φ| never grows. Leaving out any part
+/// of the terms keeps the sum: what one sweep adds another takes back.
+pub(super) fn divergent(net: f64) -> bool {
+    net.abs() > 1.0 / 16.0
+}
+
+/// Σ (ν_R − ν_L) over `axes` for a chunk.
+pub(super) fn divergence<T: Real, const D: usize>(
+    sites: &Sites<D>,
+    stream: &Stream<'_, T, D>,
+    axes: &[usize],
+    chunk: Chunk<D>,
+    net: &mut [T],
+) {
+    let (mut low, mut high) = ([T::ZERO; CHUNK], [T::ZERO; CHUNK]);
+    let (low, high) = (&mut low[..net.len()], &mut high[..net.len()]);
+    net.fill(T::ZERO);
+    for &axis in axes {
+        stream.speeds(sites, axis, chunk, low, high);
+        gain(T::ONE, low, high, net);
+    }
 }
 
 type Row<T> = [T; CHUNK];
@@ -196,6 +224,11 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
                 Some(start)
             }
         };
+        if let Some(divergent) = self.divergent {
+            for (add, &divergent) in add.iter_mut().zip(chunk.row(&sites.layout, divergent)) {
+                *add = if divergent { T::ZERO } else { *add };
+            }
+        }
         if let Some(start) = start {
             let values = match start {
                 Start::Read => rows[2],
@@ -210,10 +243,25 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
             self.stream.speeds(sites, self.axis, chunk, low, high);
         }
         match (self.stream.fluid, window) {
-            (None, Some(window)) => flux_form_window(window, low, high[n - 1], add, out),
-            (None, None) => flux_form(rows, low, high, add, out),
+            (None, Some(window)) if self.divergent.is_none() => flux_form_window(window, low, high[n - 1], add, out),
+            (None, _) => self.flux_form(chunk, rows, low, high, add, out),
             (Some(fluid), _) => self.chunk_with_solids(fluid, chunk, rows, low, high, add, out),
         }
+    }
+
+    /// Flux form, with no slope in divergent cells.
+    fn flux_form(&self, chunk: Chunk<D>, rows: [&[T]; 5], low: &[T], high: &[T], add: &[T], out: &mut [T]) {
+        let Some(divergent) = self.divergent else { return flux_form(rows, low, high, add, out) };
+        let n = chunk.len;
+        let mut steep = [[T::ONE; CHUNK]; 3];
+        for (steep, by) in steep.iter_mut().zip(-1..=1) {
+            for (i, steep) in steep[..n].iter_mut().enumerate() {
+                if divergent[self.sites.slot(chunk.one(i).cell, unit(self.axis, by))] {
+                    *steep = T::ZERO;
+                }
+            }
+        }
+        flux_form_with(rows, steep.each_ref().map(|row| &row[..n]), low, high, add, out);
     }
 
     /// Cells do not look into solids: a solid neighbour counts as equal, so that slopes next to it vanish. Faces on a
@@ -250,7 +298,7 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
             near[0][i] = pick(sees(-2), rows[0][i], near[1][i]);
             near[4][i] = pick(sees(2), rows[4][i], near[3][i]);
         }
-        flux_form(near.each_ref().map(|row| &row[..n]), low, high, add, out);
+        self.flux_form(chunk, near.each_ref().map(|row| &row[..n]), low, high, add, out);
     }
 }
 

@@ -152,22 +152,6 @@ impl<const D: usize> Case<D> {
         self.dt * self.grid.cell_volume() / self.grid.h() * given.sum::<f64>()
     }
 
-    /// The 2-norm of what walls that are not held at a value let into their cells in a step, sqrt(Σ (q dt/h)² h^D), with
-    /// phi up to 1 inside: q = g \[1\], c (|far| + 1) on absorbing walls. It may leave again by other walls in the same
-    /// step, but right-hand sides and fluxes hold it and round it.
-    pub fn let_in(&self) -> f64 {
-        let faces = |axis: usize| (self.grid.layout().count() / self.grid.cells()[axis]) as f64;
-        let squares = self.sides.walls().map(|(axis, _, wall)| {
-            let flux = match wall {
-                Wall::Flux(g) => g,
-                Wall::Absorbing { speed, far } => speed * (far.abs() + 1.0),
-                Wall::Value(_) | Wall::Open { .. } => 0.0,
-            };
-            (flux * self.dt / self.grid.h()).powi(2) * faces(axis)
-        });
-        (squares.sum::<f64>() * self.grid.cell_volume()).sqrt()
-    }
-
     /// A random box of up to `most` cells per axis with random walls and, one time in three, obstacles.
     pub fn random_box(&mut self, random: &mut Random, kinds: Kinds, most: usize) -> Measured<()> {
         let cells = std::array::from_fn(|_| 1 + random.below(most));

@@ -80,19 +80,20 @@ fn stage<T: Real, const D: usize>(
     let (slow, fast) = if law.has_memory() { (c.gain, c.fast) } else { (0.0, law.k()) };
     let faces = faces(case);
     let old = |f: &Face| start.slow_flux.as_ref().map_or(0.0, |q| q.axis(f.axis)[f.slot]);
-    let gradient = |f: &Face, phi: &[f64]| match (f.beside, f.wall) {
+    // What is given, walls and old state, counts `given` times: 1 for the step, 0 for its matrix.
+    let gradient = |f: &Face, phi: &[f64], given: f64| match (f.beside, f.wall) {
         ([Some(low), Some(high)], _) => (phi[high] - phi[low]) / h,
-        ([None, Some(high)], Some((_, Wall::Value(v)))) => (phi[high] - v) / (0.5 * h),
-        ([Some(low), None], Some((_, Wall::Value(v)))) => (v - phi[low]) / (0.5 * h),
+        ([None, Some(high)], Some((_, Wall::Value(v)))) => (phi[high] - given * v) / (0.5 * h),
+        ([Some(low), None], Some((_, Wall::Value(v)))) => (given * v - phi[low]) / (0.5 * h),
         _ => 0.0,
     };
     // The total flux along the axis.
-    let flux = |f: &Face, phi: &[f64]| match f.wall {
-        None | Some((_, Wall::Value(_))) => c.keep * old(f) - (slow + fast) * gradient(f, phi),
-        Some((end, Wall::Flux(g))) => end.sign() * g,
+    let flux = |f: &Face, phi: &[f64], given: f64| match f.wall {
+        None | Some((_, Wall::Value(_))) => given * c.keep * old(f) - (slow + fast) * gradient(f, phi, given),
+        Some((end, Wall::Flux(g))) => given * end.sign() * g,
         Some((end, Wall::Absorbing { speed, far })) => {
             let cell = f.beside[0].or(f.beside[1]).unwrap_or(0);
-            end.sign() * speed * (phi[cell] - far)
+            end.sign() * speed * (phi[cell] - given * far)
         }
         Some((_, Wall::Open { .. })) => 0.0,
     };
@@ -103,16 +104,16 @@ fn stage<T: Real, const D: usize>(
         }
     });
     // phi + dt Div flux(phi) - phi* - dt W, which is to vanish.
-    let residual = |phi: &[f64]| -> Vec<f64> {
+    let residual = |phi: &[f64], given: f64| -> Vec<f64> {
         let mut r = phi.to_vec();
         for (r, old) in r.iter_mut().zip(start.phi.iter()) {
-            *r -= old;
+            *r -= given * old;
         }
         if let Some(rate) = source.rate {
-            fluid.iter().for_each(|&slot| r[slot] -= dt * source.share * rate[slot].f64());
+            fluid.iter().for_each(|&slot| r[slot] -= given * dt * source.share * rate[slot].f64());
         }
         for f in &faces {
-            let passing = dt / h * flux(f, phi);
+            let passing = dt / h * flux(f, phi, given);
             if let Some(low) = f.beside[0] {
                 r[low] += passing;
             }
@@ -123,16 +124,17 @@ fn stage<T: Real, const D: usize>(
         fluid.iter().map(|&slot| r[slot]).collect()
     };
     let mut phi = start.phi.to_vec();
-    let rest = residual(&phi);
+    let rest = residual(&phi, 1.0);
     let n = fluid.len();
     let mut a = vec![vec![0.0; n]; n];
+    // Unit vectors alone: next to what large fluxes leave, their response would be rounded away.
+    let mut probe = vec![0.0; phi.len()];
     for (j, &slot) in fluid.iter().enumerate() {
-        let here = phi[slot];
-        phi[slot] = here + 1.0;
-        for (i, r) in residual(&phi).into_iter().enumerate() {
-            a[i][j] = r - rest[i];
+        probe[slot] = 1.0;
+        for (i, r) in residual(&probe, 0.0).into_iter().enumerate() {
+            a[i][j] = r;
         }
-        phi[slot] = here;
+        probe[slot] = 0.0;
     }
     let step = eliminate(a, rest)?;
     for (&slot, step) in fluid.iter().zip(step) {
@@ -143,11 +145,11 @@ fn stage<T: Real, const D: usize>(
     let mut outflow = 0.0;
     for f in &faces {
         if let Some((side, _)) = f.wall {
-            outflow += dt / h * side.sign() * flux(f, &phi) * case.grid.cell_volume();
+            outflow += dt / h * side.sign() * flux(f, &phi, 1.0) * case.grid.cell_volume();
         }
         let stored = matches!(f.wall, None | Some((_, Wall::Value(_))));
         if let (Some(q), true) = (&mut end.slow_flux, stored) {
-            q.axis_mut(f.axis)[f.slot] = c.keep * old(f) - slow * gradient(f, &phi);
+            q.axis_mut(f.axis)[f.slot] = c.keep * old(f) - slow * gradient(f, &phi, 1.0);
         }
     }
     Ok((end, outflow))

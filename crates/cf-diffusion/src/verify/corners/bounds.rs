@@ -93,8 +93,7 @@ impl Check for Walls {
         let report = case.stepper::<T>()?.step(&mut state, &Medium::Still, source, case.dt)?;
         let volume = case.grid.cell_volume();
         let size = (case.energy(&start64) + case.energy(&expected) + volume).sqrt();
-        // A step's bound is 84 roundings in f32; of what comes through walls and leaves again in the step eight are granted.
-        let wrong = distance(&case, &state, &expected) / (size + 0.1 * case.let_in());
+        let wrong = distance(&case, &state, &expected) / size;
         let content = volume * case.grid.layout().count() as f64;
         // The dense outflow is a conductance times a difference: five roundings of phi (f64) grow by that.
         let stiff = 1.0 + 1e-3 * case.conductance(kappa);

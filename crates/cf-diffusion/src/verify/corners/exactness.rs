@@ -52,7 +52,9 @@ impl Check for Spacing {
         let mut two = scaled(&one, 1.0, by);
         case.run(&mut one, 2)?;
         other.run(&mut two, 2)?;
-        require(same(&scaled(&one, 1.0, by), &two, &case), "phi depends on h")
+        // Compared at the smaller of the fluxes, where either may have left the range of normal numbers.
+        let (one, two) = if by > 1.0 { (one, scaled(&two, 1.0, 1.0 / by)) } else { (scaled(&one, 1.0, by), two) };
+        require(same(&one, &two, &case), "phi depends on h")
     }
 }
 

@@ -1,0 +1,4 @@
+//! Checks of cf-fluid against model/fluid section 5.
+
+mod common;
+mod projection;

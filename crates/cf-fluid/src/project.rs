@@ -6,7 +6,7 @@
 use cf_grid::{CellField, FaceField, Grid, Mask, Real, Sides};
 use cf_linear::{Choice, Helmholtz, Options, Plan, Precision, Solver, Stop};
 
-use crate::calculus::{negative_divergence, subtract_gradient};
+use crate::calculus::{max_speed, negative_divergence, subtract_gradient};
 use crate::error::FlowError;
 use crate::gates::{Gates, Held};
 use crate::wall::{self, FlowWall};
@@ -88,13 +88,9 @@ impl<T: Real, const D: usize> Projection<T, D> {
         self.mask.as_ref()
     }
 
-    pub(crate) fn gates(&self) -> &Gates<D> {
-        &self.gates
-    }
-
-    /// One scalar array, idle between projections.
-    pub(crate) fn scratch(&mut self) -> &mut CellField<T> {
-        &mut self.rhs
+    /// Two scalar arrays, idle between projections.
+    pub(crate) fn scratch(&mut self) -> [&mut CellField<T>; 2] {
+        [&mut self.rhs, &mut self.step]
     }
 
     /// The solver's plan, and its levels.
@@ -172,7 +168,10 @@ impl<T: Real, const D: usize> Projection<T, D> {
             done.at_floor = solved.statistics.at_floor && pass > 0;
             let mean = solved.removed.iter().fold(0f64, |m, r| m.max(r.abs()));
             // Rounding makes means of the size of eps |u|; more is an imbalance.
-            if pass == 0 && mean > 64.0 * T::EPSILON * largest {
+            if pass == 0
+                && mean > 64.0 * T::EPSILON * largest
+                && mean > 64.0 * T::EPSILON * max_speed(&layout, self.gates.sides(), u)
+            {
                 removed = mean;
                 done.imbalance = mean / h;
             }

@@ -2,3 +2,4 @@
 
 mod common;
 mod projection;
+mod taylor_green;

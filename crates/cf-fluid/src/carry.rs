@@ -90,6 +90,29 @@ impl<const D: usize> Carry<D> {
         );
     }
 
+    /// `out` = `from` carried by `by`; `back` is scratch for MacCormack.
+    #[allow(clippy::too_many_arguments)]
+    pub fn carry_as<T: Real>(
+        &self,
+        how: Interpolation,
+        lattice: &Lattice<D>,
+        by: &FaceField<T, D>,
+        ratio: f64,
+        from: &[T],
+        out: &mut [T],
+        back: &mut [T],
+    ) {
+        match how {
+            Interpolation::Linear => self.carry::<T, 2>(lattice, by, ratio, from, out),
+            Interpolation::Cubic => self.carry::<T, 4>(lattice, by, ratio, from, out),
+            Interpolation::MacCormack => {
+                self.carry::<T, 2>(lattice, by, ratio, from, out);
+                self.carry::<T, 2>(lattice, by, -ratio, out, back);
+                self.correct(lattice, by, ratio, from, back, out);
+            }
+        }
+    }
+
     /// The MacCormack value from `there` (the field carried forward) and `back` (that carried backward), into `there`.
     pub fn correct<T: Real>(
         &self,

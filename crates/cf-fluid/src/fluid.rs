@@ -314,6 +314,15 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         Ok(report)
     }
 
+    /// Abandons a step that has begun: the velocity stays that of its start.
+    pub fn abandon(&mut self) {
+        self.give_back();
+        if self.stage.take().is_some_and(|stage| stage.dt > 0.0) {
+            // What the advecting velocity was made of is gone.
+            self.history = History::default();
+        }
+    }
+
     fn check_phi(&self, phi: Option<&CellField<T>>) -> Result<(), FlowError> {
         let (expected, found) = (self.grid.layout().slots(), phi.map(|p| p.len()));
         match found {

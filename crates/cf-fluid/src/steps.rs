@@ -134,15 +134,7 @@ impl<T: Real, const D: usize> Fluid<T, D> {
             let lattice = &self.carry.faces[c];
             let [out, back] = self.projection.scratch();
             let (by, from) = (&self.before, self.next.axis(c));
-            match interpolation {
-                Interpolation::Linear => self.carry.carry::<T, 2>(lattice, by, ratio, from, out),
-                Interpolation::Cubic => self.carry.carry::<T, 4>(lattice, by, ratio, from, out),
-                Interpolation::MacCormack => {
-                    self.carry.carry::<T, 2>(lattice, by, ratio, from, out);
-                    self.carry.carry::<T, 2>(lattice, by, -ratio, out, back);
-                    self.carry.correct(lattice, by, ratio, from, back, out);
-                }
-            }
+            self.carry.carry_as(interpolation, lattice, by, ratio, from, out, back);
             std::mem::swap(&mut self.next.fields_mut()[c], out);
         }
     }

@@ -11,7 +11,7 @@ use cf_fluid::exact::taylor_green_3d;
 use cf_fluid::{FlowSettings, FlowWall, Fluid, Interpolation, Scheme, Transport};
 use cf_grid::{CellField, Grid, Sides};
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
     let mut arguments = std::env::args().skip(1);
     let n: usize = arguments.next().map_or(Ok(256), |a| a.parse())?;
     let threads: usize = arguments.next().map_or(Ok(1), |a| a.parse())?;
@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     pool.install(|| measure(n, threads))
 }
 
-fn measure(n: usize, threads: usize) -> Result<(), Box<dyn std::error::Error>> {
+fn measure(n: usize, threads: usize) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
     let grid = Grid::<3>::new([n; 3], TAU / n as f64)?;
     let cells = grid.layout().count() as f64;
     for (name, sides) in [("periodic", Sides::periodic()), ("closed", Sides::all(FlowWall::Closed))] {

@@ -6,7 +6,7 @@
 
 use cf_grid::{End, FaceField, Layout, Mask, Real, Sides};
 
-use crate::chunk::{LANES, Lanes, Weights, range, sample, weights};
+use crate::chunk::{LANES, Lanes, Weights, cubic, linear, range};
 use crate::fill::Fill;
 use crate::lattice::Lattice;
 use crate::point;
@@ -153,28 +153,39 @@ impl<const D: usize> Carry<D> {
         );
     }
 
-    /// Calls `body(first index, length, out)` for stretches of at most [`LANES`] values.
+    /// Calls `body(first index, length, out)` for stretches of at most [`LANES`] values. In 3D by strips of y, so that the
+    /// rows around a value are still in the cache when the next plane needs them.
     fn stretches<T: Real>(&self, lattice: &Lattice<D>, out: &mut [T], body: impl Fn([i64; D], usize, &mut [T]) + Sync) {
-        self.layout.par_runs(
-            lattice.region,
-            out,
-            #[inline(always)]
-            |run, row: &mut [T]| {
-                let mut done = 0;
-                while done < row.len() {
-                    let len = LANES.min(row.len() - done);
-                    let mut cell = [0; D];
-                    for a in 0..D {
-                        cell[a] = run.cell[a] as i64;
+        let rows = lattice.region.high[1];
+        let strip = if D == 3 { STRIP } else { rows };
+        for low in (0..rows).step_by(strip) {
+            let mut region = lattice.region;
+            region.low[1] = low;
+            region.high[1] = (low + strip).min(rows);
+            self.layout.par_runs(
+                region,
+                &mut *out,
+                #[inline(always)]
+                |run, row: &mut [T]| {
+                    let mut done = 0;
+                    while done < row.len() {
+                        let len = LANES.min(row.len() - done);
+                        let mut cell = [0; D];
+                        for a in 0..D {
+                            cell[a] = run.cell[a] as i64;
+                        }
+                        cell[0] += done as i64;
+                        body(cell, len, &mut row[done..done + len]);
+                        done += len;
                     }
-                    cell[0] += done as i64;
-                    body(cell, len, &mut row[done..done + len]);
-                    done += len;
-                }
-            },
-        );
+                },
+            );
+        }
     }
 }
+
+/// Rows of a strip.
+const STRIP: usize = 16;
 
 #[inline(always)]
 fn slot_of<const D: usize>(lattice: &Lattice<D>, cell: [i64; D]) -> usize {
@@ -193,21 +204,35 @@ fn fetch<T: Real, const D: usize, const K: usize>(
     cell: [i64; D],
     shift: &[Lanes<T>; D],
 ) -> Lanes<T> {
-    let mut w = [Weights::NONE; D];
-    let mut usable = true;
-    for a in 0..D {
-        w[a] = weights::<T, K>(&shift[a]);
-        usable &= w[a].usable();
-    }
-    if usable {
-        let mut chosen = [&w[0]; D];
-        for a in 1..D {
-            chosen[a] = &w[a];
+    if K == 2 {
+        let mut w = [Weights::<T, 3>::NONE; D];
+        if let Some(chosen) = usable(&mut w, shift) {
+            return linear(lattice, field, cell, chosen);
         }
-        sample(lattice, field, cell, chosen)
     } else {
-        fetch_points::<T, D, K>(lattice, field, cell, shift)
+        let mut w = [Weights::<T, 5>::NONE; D];
+        if let Some(chosen) = usable(&mut w, shift) {
+            return cubic(lattice, field, cell, chosen);
+        }
     }
+    fetch_points::<T, D, K>(lattice, field, cell, shift)
+}
+
+#[inline(always)]
+fn usable<'w, T: Real, const D: usize, const W: usize>(
+    w: &'w mut [Weights<T, W>; D],
+    shift: &[Lanes<T>; D],
+) -> Option<[&'w Weights<T, W>; D]> {
+    let mut all = true;
+    for a in 0..D {
+        w[a].set(&shift[a], range(&shift[a]), T::ZERO);
+        all &= w[a].usable();
+    }
+    let mut chosen = [&w[0]; D];
+    for a in 1..D {
+        chosen[a] = &w[a];
+    }
+    all.then_some(chosen)
 }
 
 #[inline(never)]
@@ -257,7 +282,7 @@ fn let_in<T: Real, const D: usize>(
         if !lattice.walled(a) {
             continue;
         }
-        let (least, most) = range(&shift[a]);
+        let [least, most] = range(&shift[a]);
         let along = if a == 0 { (len - 1) as f64 } else { 0.0 };
         let last = lattice.last(a) as f64;
         if cell[a] as f64 + least.f64() < 0.0 || cell[a] as f64 + along + most.f64() > last {
@@ -315,10 +340,11 @@ fn reverted<T: Real, const D: usize>(
 fn range_beyond<T: Real, const D: usize>(shift: &[Lanes<T>; D], most: f64) -> bool {
     let mut largest = T::ZERO;
     for a in 0..D {
-        let (low, high) = range(&shift[a]);
+        let [low, high] = range(&shift[a]);
         largest = largest.max(low.abs()).max(high.abs());
     }
-    !(largest.f64() <= most)
+    // Also where a displacement is not a number.
+    largest.f64() > most || !largest.is_finite()
 }
 
 /// Whether any value of a stretch is close to a wall.

@@ -12,25 +12,23 @@ use crate::point;
 
 /// Values done together.
 pub(crate) const LANES: usize = 32;
-/// Longest row around a stretch: two more points than a cubic needs within one cell.
-const WINDOW: usize = LANES + 4;
 
 /// One number per value of a stretch.
 pub(crate) type Lanes<T> = [T; LANES];
 
-/// Points and weights of a stretch along one axis.
+/// Points and weights of a stretch along one axis, at most `W` of them.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Weights<T> {
+pub(crate) struct Weights<T, const W: usize> {
     /// Index of the first point relative to each value's own index.
     first: i64,
-    /// Points with any weight: 2 or 3 linear, 4 or 5 cubic.
+    /// Points with any weight: `W` or one less; none where the shifts differ by too much.
     count: usize,
-    at: [Lanes<T>; 5],
+    at: [Lanes<T>; W],
 }
 
 /// Smallest and largest of a stretch.
 #[inline(always)]
-pub(crate) fn range<T: Real>(x: &Lanes<T>) -> (T, T) {
+pub(crate) fn range<T: Real>(x: &Lanes<T>) -> [T; 2] {
     let (mut low, mut high) = (*x, *x);
     let mut width = LANES / 2;
     while width > 0 {
@@ -40,73 +38,76 @@ pub(crate) fn range<T: Real>(x: &Lanes<T>) -> (T, T) {
         }
         width /= 2;
     }
-    (low[0], high[0])
+    [low[0], high[0]]
 }
 
-impl<T: Real> Weights<T> {
+impl<T: Real, const W: usize> Weights<T, W> {
     /// No points.
-    pub const NONE: Self = Self { first: 0, count: 0, at: [[T::ZERO; LANES]; 5] };
+    pub const NONE: Self = Self { first: 0, count: 0, at: [[T::ZERO; LANES]; W] };
 
     /// False where the shifts differ by too much.
     #[inline(always)]
     pub fn usable(&self) -> bool {
         self.count > 0
     }
-}
 
-/// Weights of `K` = 2 (linear) or 4 (cubic Lagrange) points at `shift` \[cells\] from each value;
-/// [`NONE`](Weights::NONE) where the shifts differ by more than a cell.
-#[inline(always)]
-pub(crate) fn weights<T: Real, const K: usize>(shift: &Lanes<T>) -> Weights<T> {
-    let (low, high) = range(shift);
-    let below = point::floor(low.f64());
-    let base = T::of(below as f64);
-    let two = T::of(2.0);
-    // Of NaN no comparison holds.
-    if !(low >= base && high < base + two) {
-        return Weights::NONE;
-    }
-    let torn = high > base + T::ONE;
-    let mut w = Weights { first: below, count: K + usize::from(torn), at: [[T::ZERO; LANES]; 5] };
-    if K == 2 {
+    /// Weights of the points around `shift + by` \[cells\] from each value, linear for `W` = 3, cubic Lagrange for `W` = 5;
+    /// `bounds` is the range of `shift`. Not usable where the shifts differ by more than a cell.
+    #[inline(always)]
+    pub fn set(&mut self, shift: &Lanes<T>, bounds: [T; 2], by: T) {
+        let [low, high] = bounds.map(
+            #[inline(always)]
+            |x| x + by,
+        );
+        let below = point::floor(low.f64());
+        let base = T::of(below as f64);
+        // Of NaN no comparison holds.
+        if !(low >= base && high < base + T::of(2.0)) {
+            self.count = 0;
+            return;
+        }
+        let torn = high > base + T::ONE;
+        let offset = by - base;
+        self.count = W - usize::from(!torn);
+        self.first = below;
+        if W == 3 {
+            for i in 0..LANES {
+                let t = shift[i] + offset;
+                self.at[0][i] = (T::ONE - t).max(T::ZERO);
+                self.at[1][i] = T::ONE - (t - T::ONE).abs();
+                self.at[2][i] = (t - T::ONE).max(T::ZERO);
+            }
+            return;
+        }
+        self.first -= 1;
         for i in 0..LANES {
-            let t = shift[i] - base;
-            w.at[0][i] = (T::ONE - t).max(T::ZERO);
-            w.at[1][i] = T::ONE - (t - T::ONE).abs();
-            w.at[2][i] = (t - T::ONE).max(T::ZERO);
+            let t = shift[i] + offset;
+            let upper = if t > T::ONE { T::ONE } else { T::ZERO };
+            let own = point::cubic(t - upper);
+            let lower = T::ONE - upper;
+            self.at[0][i] = lower * own[0];
+            for k in 1..4 {
+                self.at[k][i] = lower * own[k] + upper * own[k - 1];
+            }
+            self.at[W - 1][i] = upper * own[3];
         }
-        return w;
     }
-    w.first -= 1;
-    for i in 0..LANES {
-        let t = shift[i] - base;
-        let upper = if t > T::ONE { T::ONE } else { T::ZERO };
-        let own = point::cubic(t - upper);
-        let lower = T::ONE - upper;
-        w.at[0][i] = lower * own[0];
-        for k in 1..4 {
-            w.at[k][i] = lower * own[k] + upper * own[k - 1];
-        }
-        w.at[4][i] = upper * own[3];
-    }
-    w
 }
 
-/// The row of `field` that starts at x index `start`, in the row whose first value has slot `base`.
+/// The `M` values of `field` from x index `start` on, in the row whose first value has slot `base`.
 #[inline(always)]
-fn row<'f, T: Real, const D: usize>(
+fn row<'f, T: Real, const D: usize, const M: usize>(
     lattice: &Lattice<D>,
     field: &'f [T],
     base: usize,
     negative: bool,
     start: i64,
-    buffer: &'f mut [T; WINDOW],
-) -> &'f [T; WINDOW] {
-    let last = lattice.last(0);
+    buffer: &'f mut [T; M],
+) -> &'f [T; M] {
     if !negative
         && start >= 0
-        && start + WINDOW as i64 - 1 <= last
-        && let Some(row) = field[base + start as usize..].first_chunk::<WINDOW>()
+        && start + M as i64 - 1 <= lattice.last(0)
+        && let Some(row) = field[base + start as usize..].first_chunk::<M>()
     {
         return row;
     }
@@ -122,23 +123,22 @@ fn outer_row<T: Real, const D: usize>(
     base: usize,
     negative: bool,
     start: i64,
-    buffer: &mut [T; WINDOW],
+    buffer: &mut [T],
 ) {
-    let inner = (-start).clamp(0, WINDOW as i64)..(lattice.last(0) + 1 - start).clamp(0, WINDOW as i64);
-    if !inner.is_empty() {
-        let from = base + (start + inner.start) as usize;
-        let (low, high) = (inner.start as usize, inner.end as usize);
+    let len = buffer.len() as i64;
+    let low = start.saturating_neg().clamp(0, len) as usize;
+    let high = (lattice.last(0) + 1).saturating_sub(start).clamp(low as i64, len) as usize;
+    if low < high {
+        let from = base + (start + low as i64) as usize;
         buffer[low..high].copy_from_slice(&field[from..from + high - low]);
         if negative {
             buffer[low..high].iter_mut().for_each(|v| *v = -*v);
         }
     }
-    for i in 0..WINDOW {
-        if !inner.contains(&(i as i64)) {
-            let (index, flip) = lattice.place(0, start.saturating_add(i as i64));
-            let v = field[base + index];
-            buffer[i] = if flip != negative { -v } else { v };
-        }
+    for i in (0..low).chain(high..buffer.len()) {
+        let (index, flip) = lattice.place(0, start.saturating_add(i as i64));
+        let v = field[base + index];
+        buffer[i] = if flip != negative { -v } else { v };
     }
 }
 
@@ -154,44 +154,59 @@ fn base_of<const D: usize>(lattice: &Lattice<D>, index: [i64; D]) -> (usize, boo
     (lattice.layout.slot(cell), negative)
 }
 
-/// Σ over the points around each value of a stretch; `cell` is the index of its first value.
+/// Σ over the points around each value of a stretch, linear; `cell` is the index of its first value.
 #[inline(always)]
-pub(crate) fn sample<T: Real, const D: usize>(
+pub(crate) fn linear<T: Real, const D: usize>(
     lattice: &Lattice<D>,
     field: &[T],
     cell: [i64; D],
-    weights: [&Weights<T>; D],
+    weights: [&Weights<T, 3>; D],
 ) -> Lanes<T> {
-    match weights[0].count {
-        2 => sum::<T, D, 2>(lattice, field, cell, weights),
-        3 => sum::<T, D, 3>(lattice, field, cell, weights),
-        4 => sum::<T, D, 4>(lattice, field, cell, weights),
-        _ => sum::<T, D, 5>(lattice, field, cell, weights),
+    if weights[0].count == 2 {
+        sum::<T, D, 3, 2, { LANES + 1 }>(lattice, field, cell, weights)
+    } else {
+        sum::<T, D, 3, 3, { LANES + 2 }>(lattice, field, cell, weights)
+    }
+}
+
+/// The same, cubic.
+#[inline(always)]
+pub(crate) fn cubic<T: Real, const D: usize>(
+    lattice: &Lattice<D>,
+    field: &[T],
+    cell: [i64; D],
+    weights: [&Weights<T, 5>; D],
+) -> Lanes<T> {
+    if weights[0].count == 4 {
+        sum::<T, D, 5, 4, { LANES + 3 }>(lattice, field, cell, weights)
+    } else {
+        sum::<T, D, 5, 5, { LANES + 4 }>(lattice, field, cell, weights)
     }
 }
 
 #[inline(always)]
-fn sum<T: Real, const D: usize, const P: usize>(
+fn sum<T: Real, const D: usize, const W: usize, const P: usize, const M: usize>(
     lattice: &Lattice<D>,
     field: &[T],
     cell: [i64; D],
-    weights: [&Weights<T>; D],
+    weights: [&Weights<T, W>; D],
 ) -> Lanes<T> {
     let start = cell[0] + weights[0].first;
+    let wx = &weights[0].at;
+    let mut buffer = [T::ZERO; M];
     let mut total = [T::ZERO; LANES];
-    let planes = if D == 3 { weights[2].count } else { 1 };
+    let planes = if D == 3 { weights[D - 1].count } else { 1 };
     let mut index = cell;
     for z in 0..planes {
         if D == 3 {
-            index[2] = cell[2] + weights[2].first + z as i64;
+            index[D - 1] = cell[D - 1] + weights[D - 1].first + z as i64;
         }
         let mut plane = [T::ZERO; LANES];
         for y in 0..weights[1].count {
             index[1] = cell[1] + weights[1].first + y as i64;
             let (base, negative) = base_of(lattice, index);
-            let mut buffer = [T::ZERO; WINDOW];
             let v = row(lattice, field, base, negative, start, &mut buffer);
-            let (wx, wy) = (&weights[0].at, &weights[1].at[y]);
+            let wy = &weights[1].at[y];
             for i in 0..LANES {
                 let mut line = wx[0][i] * v[i];
                 for p in 1..P {
@@ -201,7 +216,7 @@ fn sum<T: Real, const D: usize, const P: usize>(
             }
         }
         if D == 3 {
-            let wz = &weights[2].at[z];
+            let wz = &weights[D - 1].at[z];
             for i in 0..LANES {
                 total[i] += wz[i] * plane[i];
             }
@@ -222,20 +237,20 @@ pub(crate) fn mean<T: Real, const D: usize>(
     pair: [bool; D],
 ) -> Lanes<T> {
     let mut total = [T::ZERO; LANES];
+    let mut buffer = [T::ZERO; LANES + 1];
     let mut share = if pair[0] { 0.5 } else { 1.0 };
     for a in 1..D {
         share *= if pair[a] { 0.5 } else { 1.0 };
     }
-    let planes = if D == 3 && pair[2] { 2 } else { 1 };
+    let planes = if D == 3 && pair[D - 1] { 2 } else { 1 };
     let mut index = cell;
     for z in 0..planes {
         if D == 3 {
-            index[2] = cell[2] + low[2] + z as i64;
+            index[D - 1] = cell[D - 1] + low[D - 1] + z as i64;
         }
         for y in 0..if pair[1] { 2 } else { 1 } {
             index[1] = cell[1] + low[1] + y as i64;
             let (base, negative) = base_of(lattice, index);
-            let mut buffer = [T::ZERO; WINDOW];
             let v = row(lattice, field, base, negative, cell[0] + low[0], &mut buffer);
             if pair[0] {
                 for i in 0..LANES {
@@ -261,7 +276,7 @@ mod tests {
     use crate::wall::FlowWall;
     use cf_grid::{Axis, Layout, Sides};
 
-    fn check<const K: usize>(spread: f64, offset: f64) {
+    fn check<const W: usize, const K: usize>(spread: f64, offset: f64) {
         let layout = Layout::new([41, 7, 5]).unwrap();
         let mut sides = Sides::all(FlowWall::Closed);
         sides.0[1] = Axis::Periodic;
@@ -272,8 +287,16 @@ mod tests {
                 let shift: [Lanes<f64>; 3] = std::array::from_fn(|a| {
                     std::array::from_fn(|i| offset + spread * ((i * (a + 3)) % 7) as f64 / 7.0)
                 });
-                let w = shift.map(|s| weights::<f64, K>(&s));
-                let got = sample(&lattice, &field, cell, [&w[0], &w[1], &w[2]]);
+                let w = shift.map(|s| {
+                    let mut w = Weights::<f64, W>::NONE;
+                    w.set(&s, range(&s), 0.0);
+                    assert!(w.usable());
+                    w
+                });
+                let got = match W {
+                    3 => sum::<f64, 3, W, 3, { LANES + 2 }>(&lattice, &field, cell, [&w[0], &w[1], &w[2]]),
+                    _ => sum::<f64, 3, W, 5, { LANES + 4 }>(&lattice, &field, cell, [&w[0], &w[1], &w[2]]),
+                };
                 for i in 0..LANES {
                     let own = [x0 + i as i64, 6, 0];
                     let (want, _, _) = point::sample::<f64, 3, K>(&lattice, &field, own, shift.map(|s| s[i]));
@@ -287,11 +310,14 @@ mod tests {
     fn stretches_equal_points() {
         for offset in [-1.4, -0.3, 0.0, 2.7] {
             for spread in [0.0, 0.2, 1.1] {
-                check::<2>(spread, offset);
-                check::<4>(spread, offset);
+                check::<3, 2>(spread, offset);
+                check::<5, 4>(spread, offset);
             }
         }
-        assert!(!weights::<f32, 2>(&std::array::from_fn(|i| i as f32)).usable());
-        assert!(!weights::<f32, 2>(&[f32::NAN; LANES]).usable());
+        for torn in [std::array::from_fn(|i| i as f32), [f32::NAN; LANES]] {
+            let mut w = Weights::<f32, 3>::NONE;
+            w.set(&torn, range(&torn), 0.0);
+            assert!(!w.usable());
+        }
     }
 }

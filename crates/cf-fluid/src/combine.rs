@@ -41,7 +41,7 @@ pub(crate) fn add<T: Real>(a: f64, x: &[T], y: &mut [T]) {
 /// x *= a.
 pub(crate) fn scale<T: Real>(a: f64, x: &mut [T]) {
     let a = T::of(a);
-    x.iter_mut().for_each(|x| *x = *x * a);
+    x.iter_mut().for_each(|x| *x *= a);
 }
 
 /// u += dt (force + strength (phi - reference) up), phi as the mean of the two cells of a face, or of the one inside.

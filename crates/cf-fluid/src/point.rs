@@ -39,10 +39,7 @@ pub(crate) fn sample<T: Real, const D: usize, const K: usize>(
         if K == 2 {
             (weight[a][0], weight[a][1]) = (T::ONE - t, t);
         } else {
-            let w = cubic(t);
-            for k in 0..K {
-                weight[a][k] = w[k];
-            }
+            weight[a].copy_from_slice(&cubic(t)[..K]);
         }
     }
     let mut total = T::ZERO;
@@ -55,7 +52,7 @@ pub(crate) fn sample<T: Real, const D: usize, const K: usize>(
             let mut near = y + 1 == K / 2 || y == K / 2;
             if D == 3 {
                 cell[2] = index[2][z];
-                w = w * weight[2][z];
+                w *= weight[2][z];
                 turn ^= flip[2][z];
                 near &= z + 1 == K / 2 || z == K / 2;
             }

@@ -2,7 +2,7 @@
 
 use cf_grid::Real;
 
-use crate::chunk::{LANES, Lanes, Weights, mean, range, sample, weights};
+use crate::chunk::{LANES, Lanes, Weights, linear, mean, range};
 use crate::lattice::Lattice;
 use crate::point;
 
@@ -35,16 +35,12 @@ pub(crate) fn feet<T: Real, const D: usize>(
     inside(at, cell, len, &mut middle);
     repeat_last(len, &mut middle);
     // Seen from a value, faces of axis b are offset along b differently than all others.
-    let mut offsets = [[[T::ZERO; LANES]; 2]; D];
-    let mut both = [[Weights::NONE; 2]; D];
+    let mut both = [[Weights::<T, 3>::NONE; 2]; D];
     let mut usable = true;
     for b in 0..D {
-        for (k, by) in [at.half(b) - 0.5, at.half(b)].into_iter().enumerate() {
-            let by = T::of(by);
-            for i in 0..LANES {
-                offsets[b][k][i] = middle[b][i] + by;
-            }
-            both[b][k] = weights::<T, 2>(&offsets[b][k]);
+        let bounds = range(&middle[b]);
+        for k in 0..2 {
+            both[b][k].set(&middle[b], bounds, T::of(at.half(b) - if k == 0 { 0.5 } else { 0.0 }));
             usable &= both[b][k].usable();
         }
     }
@@ -55,9 +51,9 @@ pub(crate) fn feet<T: Real, const D: usize>(
             for b in 0..D {
                 chosen[b] = &both[b][usize::from(a == b)];
             }
-            velocity[a] = sample(&faces[a], u[a], cell, chosen);
+            velocity[a] = linear(&faces[a], u[a], cell, chosen);
         } else {
-            velocity[a] = by_points(&faces[a], u[a], cell, &offsets, a);
+            velocity[a] = by_points(at, &faces[a], u[a], cell, &middle);
         }
     }
     let full = T::of(-ratio);
@@ -72,16 +68,16 @@ pub(crate) fn feet<T: Real, const D: usize>(
 
 #[inline(never)]
 fn by_points<T: Real, const D: usize>(
+    at: &Lattice<D>,
     faces: &Lattice<D>,
     u: &[T],
     cell: [i64; D],
-    offsets: &[[Lanes<T>; 2]; D],
-    axis: usize,
+    shift: &[Lanes<T>; D],
 ) -> Lanes<T> {
     std::array::from_fn(|i| {
         let mut own = cell;
         own[0] += i as i64;
-        let shift = std::array::from_fn(|b| offsets[b][usize::from(axis == b)][i]);
+        let shift = std::array::from_fn(|b| shift[b][i] + T::of(at.half(b) - faces.half(b)));
         point::sample::<T, D, 2>(faces, u, own, shift).0
     })
 }
@@ -97,7 +93,7 @@ pub(crate) fn inside<T: Real, const D: usize>(at: &Lattice<D>, cell: [i64; D], l
         let low = -(cell[a] as f64) - at.half(a);
         let high = at.layout.cells()[a] as f64 - at.half(a) - cell[a] as f64;
         let along = if a == 0 { (len - 1) as f64 } else { 0.0 };
-        let (least, most) = range(&shift[a]);
+        let [least, most] = range(&shift[a]);
         if least.f64() >= low && most.f64() + along <= high {
             continue;
         }

@@ -115,7 +115,7 @@ fn the_order_in_time_is_that_of_the_splitting() {
         let mut state = State::<f64, 2>::new(&grid, &law);
         grid.layout().par_cells(&mut state.phi, |at| {
             let x = grid.centre(at.cell);
-            (-1.0 * ((x[0] - 3.0).powi(2) + (x[1] - 3.0).powi(2))).exp()
+            (-(x[0] - 3.0).powi(2) - (x[1] - 3.0).powi(2)).exp()
         });
         for _ in 0..steps {
             coupled.step(&mut state, 1.0 / steps as f64).unwrap();

@@ -9,6 +9,7 @@ fn arrows() -> BTreeMap<&'static str, &'static [&'static str]> {
         ("cf-grid", &[][..]),
         ("cf-linear", &["cf-grid"]),
         ("cf-diffusion", &["cf-grid", "cf-linear"]),
+        ("cf-fluid", &["cf-diffusion", "cf-grid", "cf-linear"]),
         ("cf-output", &["cf-grid"]),
         ("cf-scene", &["cf-diffusion", "cf-grid", "cf-linear", "cf-output"]),
         ("xtask", &["cf-diffusion", "cf-grid", "cf-linear", "cf-output", "cf-scene"]),

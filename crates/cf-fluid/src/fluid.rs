@@ -1,0 +1,320 @@
+//! The flow: velocity, pressure and the two halves of a step.
+
+use cf_diffusion::Medium;
+use cf_grid::{CellField, FaceField, Grid, Layout, Mask, Real, Sides};
+
+use crate::calculus::max_speed;
+use crate::carry::Carry;
+use crate::combine::{combine, push, scale};
+use crate::emit::{Emitter, Jet};
+use crate::error::FlowError;
+use crate::gates::Held;
+use crate::project::Projection;
+use crate::settings::{FlowObserver, FlowPhase, FlowReport, FlowSettings, Scheme};
+use crate::wall::FlowWall;
+
+/// An incompressible inviscid flow u_t + (u·grad) u = -(1/rho) grad p + b, div u = 0 on the MAC grid.
+///
+/// A step has two halves, between which a quantity can be carried by the velocity of the middle of the step:
+/// [`begin`](Self::begin) gives that velocity, [`finish`](Self::finish) ends the step; [`step`](Self::step) is both.
+///
+/// Memory: three velocities, two or three scalars for pressures, two for a solve, and the solver.
+pub struct Fluid<T, const D: usize> {
+    pub(crate) grid: Grid<D>,
+    pub(crate) settings: FlowSettings<D>,
+    pub(crate) carry: Carry<D>,
+    pub(crate) projection: Projection<T, D>,
+    /// u^n.
+    pub(crate) u: FaceField<T, D>,
+    /// u^(n-1) between steps; the advecting velocity within one.
+    pub(crate) before: FaceField<T, D>,
+    /// What becomes u^(n+1).
+    pub(crate) next: FaceField<T, D>,
+    /// p/(rho h) \[m/s²\]: the gradient that [`Scheme::Cnp`] carries.
+    pub(crate) pressure: Option<CellField<T>>,
+    /// s of the last step's projections \[m/s\], guesses for the next.
+    pub(crate) potential: [CellField<T>; 2],
+    /// Stages of [`Scheme::CentralRk4`].
+    pub(crate) stages: Option<[FaceField<T, D>; 2]>,
+    pub(crate) emitters: Vec<(Emitter<D>, Vec<Held>)>,
+    pub(crate) time: f64,
+    pub(crate) history: History,
+    pub(crate) stage: Option<Stage>,
+    /// The velocity lent to the transport, and whose place it left empty.
+    medium: Medium<T, D>,
+    lent: Lent,
+    empty: Option<FaceField<T, D>>,
+}
+
+/// What earlier steps left.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct History {
+    /// Length \[s\] and scheme of the last step; `None` where `before` and the pressure say nothing.
+    pub last: Option<(f64, Scheme)>,
+    /// Whether `pressure` holds the pressure.
+    pub pressure: bool,
+}
+
+/// A step under way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Stage {
+    pub dt: f64,
+    pub report: FlowReport,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Lent {
+    Nothing,
+    Now,
+    Before,
+    Next,
+}
+
+impl<T: Real, const D: usize> Fluid<T, D> {
+    /// Fluid at rest on `grid` between `sides`, around the solids of `mask`.
+    pub fn new(
+        grid: &Grid<D>,
+        sides: &Sides<FlowWall<D>, D>,
+        mask: Option<&Mask<D>>,
+        settings: FlowSettings<D>,
+    ) -> Result<Self, FlowError> {
+        settings.check()?;
+        let layout = grid.layout();
+        let projection = Projection::new(grid, sides, mask, settings.precision)?;
+        let faces = || FaceField::new(layout);
+        let scalar = || CellField::new(layout);
+        let carries_pressure = matches!(settings.scheme, Scheme::Auto | Scheme::Cnp);
+        let empty = FaceField::new(&Layout::new([1; D]).map_err(|_| FlowError::Order("a grid without dimensions"))?);
+        Ok(Self {
+            grid: *grid,
+            settings,
+            carry: Carry::new(layout, sides, mask),
+            projection,
+            u: faces(),
+            before: faces(),
+            next: faces(),
+            pressure: carries_pressure.then(scalar),
+            potential: [scalar(), scalar()],
+            stages: (settings.scheme == Scheme::CentralRk4).then(|| [faces(), faces()]),
+            emitters: Vec::new(),
+            time: 0.0,
+            history: History::default(),
+            stage: None,
+            medium: Medium::Still,
+            lent: Lent::Nothing,
+            empty: Some(empty),
+        })
+    }
+
+    /// Adds emitters; only their jets matter here.
+    pub fn with_emitters(mut self, emitters: &[Emitter<D>]) -> Result<Self, FlowError> {
+        for emitter in emitters {
+            emitter.check()?;
+            let faces = emitter.faces(&self.grid, self.projection.sides(), self.projection.mask());
+            self.emitters.push((*emitter, faces));
+        }
+        Ok(self)
+    }
+
+    /// Sets the velocity \[m/s\], makes it free of divergence, and forgets earlier steps.
+    pub fn set_velocity(&mut self, u: &FaceField<T, D>) -> Result<FlowReport, FlowError> {
+        self.give_back();
+        self.stage = None;
+        for a in 0..D {
+            let (expected, found) = (self.grid.layout().slots(), u.axis(a).len());
+            if expected != found {
+                return Err(FlowError::Layout { what: "the velocity", expected, found });
+            }
+            self.u.axis_mut(a).copy_from_slice(u.axis(a));
+        }
+        self.potential[0].fill(T::ZERO);
+        // A velocity moved over a cell is to be as free of divergence as a step would leave it.
+        let speed = max_speed(self.grid.layout(), self.projection.sides(), &self.u);
+        let dt = if speed > 0.0 { self.grid.h() / speed } else { 0.0 };
+        let mut report = FlowReport::default();
+        report.count(self.projection.project(&mut self.u, &mut self.potential[0], dt, self.settings.eta_div)?);
+        self.history = History::default();
+        Ok(report)
+    }
+
+    /// The velocity \[m/s\] on faces: zero in solids, held values on closed faces.
+    pub fn velocity(&self) -> &FaceField<T, D> {
+        match (&self.medium, self.lent) {
+            (Medium::Field(u), Lent::Now) => u,
+            _ => &self.u,
+        }
+    }
+
+    /// Advances the velocity by `dt` \[s\]. `dt` = 0 changes nothing. Buoyancy needs [`begin`](Self::begin) and
+    /// [`finish`](Self::finish).
+    pub fn step(&mut self, dt: f64) -> Result<FlowReport, FlowError> {
+        self.begin(dt, None, &mut ())?;
+        self.finish(None, &mut ())
+    }
+
+    /// Begins a step of `dt` \[s\] and returns the velocity that carries other quantities over it: that of the middle of
+    /// the step, free of divergence to eta_div; u^n for [`Scheme::Draft`]. `phi` causes buoyancy, as it is now.
+    ///
+    /// # Errors
+    /// A step that is not finite and >= 0, one begun twice, missing `phi`, velocities that are not finite, and solves that do not
+    /// converge. A step that failed is abandoned.
+    pub fn begin(
+        &mut self,
+        dt: f64,
+        phi: Option<&CellField<T>>,
+        observer: &mut impl FlowObserver,
+    ) -> Result<&Medium<T, D>, FlowError> {
+        if !(dt.is_finite() && dt >= 0.0) {
+            return Err(FlowError::TimeStep(dt));
+        }
+        if self.stage.is_some() {
+            return Err(FlowError::Order("a second beginning"));
+        }
+        self.check_phi(phi)?;
+        self.give_back();
+        let courant = self.max_speed() * dt / self.grid.h();
+        let scheme = match self.settings.scheme {
+            Scheme::Auto if courant <= 1.0 => Scheme::Cnp,
+            Scheme::Auto => Scheme::ReflectionExtrapolated,
+            chosen => chosen,
+        };
+        self.stage = Some(Stage { dt, report: FlowReport { scheme, courant, ..FlowReport::default() } });
+        let lent = if dt == 0.0 { Ok(Lent::Now) } else { self.first_half(scheme, dt, phi, observer) };
+        match lent {
+            Ok(lent) => self.lend(lent),
+            Err(error) => {
+                self.stage = None;
+                self.history = History::default();
+                return Err(error);
+            }
+        }
+        Ok(&self.medium)
+    }
+
+    /// Ends the step begun. `phi` causes buoyancy, as it is at the end of the step.
+    pub fn finish(
+        &mut self,
+        phi: Option<&CellField<T>>,
+        observer: &mut impl FlowObserver,
+    ) -> Result<FlowReport, FlowError> {
+        self.check_phi(phi)?;
+        self.give_back();
+        let Some(stage) = self.stage.take() else { return Err(FlowError::Order("an end without a beginning")) };
+        if stage.dt == 0.0 {
+            return Ok(stage.report);
+        }
+        let mut report = stage.report;
+        if let Err(error) = self.second_half(report.scheme, stage.dt, phi, &mut report, observer) {
+            self.history = History::default();
+            return Err(error);
+        }
+        // u^n becomes u^(n-1), the new velocity u^n.
+        std::mem::swap(&mut self.u, &mut self.next);
+        std::mem::swap(&mut self.before, &mut self.next);
+        self.history.last = Some((stage.dt, report.scheme));
+        self.time += stage.dt;
+        Ok(report)
+    }
+
+    /// Abandons a step that has begun: the velocity stays that of its start.
+    pub fn abandon(&mut self) {
+        self.give_back();
+        if self.stage.take().is_some_and(|stage| stage.dt > 0.0) {
+            // What the advecting velocity was made of is gone.
+            self.history = History::default();
+        }
+    }
+
+    fn check_phi(&self, phi: Option<&CellField<T>>) -> Result<(), FlowError> {
+        let (expected, found) = (self.grid.layout().slots(), phi.map(|p| p.len()));
+        match found {
+            None if self.settings.buoyancy.is_some() => Err(FlowError::Order("buoyancy without phi")),
+            Some(found) if found != expected => Err(FlowError::Layout { what: "phi", expected, found }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Moves a velocity into the medium; a dummy keeps its place.
+    fn lend(&mut self, lent: Lent) {
+        let Some(dummy) = self.empty.take() else { return };
+        if let Some(field) = self.lendable(lent) {
+            self.medium = Medium::Field(std::mem::replace(field, dummy));
+            self.lent = lent;
+        }
+    }
+
+    pub(crate) fn give_back(&mut self) {
+        if let Medium::Field(u) = std::mem::replace(&mut self.medium, Medium::Still)
+            && let Some(field) = self.lendable(self.lent)
+        {
+            self.empty = Some(std::mem::replace(field, u));
+        }
+        self.lent = Lent::Nothing;
+    }
+
+    fn lendable(&mut self, lent: Lent) -> Option<&mut FaceField<T, D>> {
+        match lent {
+            Lent::Nothing => None,
+            Lent::Now => Some(&mut self.u),
+            Lent::Before => Some(&mut self.before),
+            Lent::Next => Some(&mut self.next),
+        }
+    }
+
+    /// Sets the held faces of the step's middle.
+    pub(crate) fn hold_emitters(&mut self, dt: f64) -> Result<(), FlowError> {
+        let acting = self.emitters.iter().filter(|(e, _)| e.acts(self.time, dt));
+        let held: Vec<Held> = acting
+            .filter(|(e, _)| matches!(e.jet, Some(Jet::Hold(_))))
+            .flat_map(|(_, faces)| faces.iter().copied())
+            .collect();
+        self.projection.hold(held)
+    }
+
+    /// Sets the velocity of jets that hold nothing.
+    pub(crate) fn set_jets(&mut self, dt: f64) {
+        for (emitter, faces) in &self.emitters {
+            if emitter.acts(self.time, dt) && matches!(emitter.jet, Some(Jet::Set(_))) {
+                for face in faces {
+                    self.next.axis_mut(face.axis)[face.slot] = T::of(face.velocity);
+                }
+            }
+        }
+    }
+
+    /// next += dt b.
+    pub(crate) fn push(&mut self, dt: f64, phi: Option<&CellField<T>>) {
+        let buoyancy = self.settings.buoyancy.zip(phi.map(|phi| &phi[..]));
+        push(self.grid.layout(), self.projection.sides(), dt, self.settings.force, buoyancy, &mut self.next);
+    }
+
+    /// next := P next, with `potential[which]` scaled by `guess` as the start (0: none).
+    pub(crate) fn project(
+        &mut self,
+        which: usize,
+        guess: f64,
+        dt: f64,
+        observer: &mut impl FlowObserver,
+    ) -> Result<crate::Projected, FlowError> {
+        observer.begin(FlowPhase::Projection);
+        let s = &mut self.potential[which];
+        if guess == 0.0 || !self.settings.warm_start {
+            s.fill(T::ZERO);
+        } else if guess != 1.0 {
+            scale(guess, s);
+        }
+        let done = self.projection.project(&mut self.next, s, dt, self.settings.eta_div);
+        observer.end(FlowPhase::Projection);
+        done
+    }
+
+    /// before := a u + b before.
+    pub(crate) fn mix_before(&mut self, a: f64, b: f64) {
+        combine(self.grid.layout(), self.projection.sides(), a, &self.u, b, &mut self.before);
+    }
+
+    /// next := u.
+    pub(crate) fn copy_next(&mut self) {
+        combine(self.grid.layout(), self.projection.sides(), 1.0, &self.u, 0.0, &mut self.next);
+    }
+}

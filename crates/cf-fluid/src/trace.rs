@@ -1,0 +1,116 @@
+//! Where the fluid at a stretch of values came from: the midpoint rule backwards in time (model/fluid section 2).
+
+use cf_grid::Real;
+
+use crate::chunk::{LANES, Lanes, Weights, linear, mean, range};
+use crate::lattice::Lattice;
+use crate::point;
+
+/// Displacements of a stretch from its values to their feet \[cells\]: x_m = x - (dt/2) u(x), foot = x - dt u(x_m), u
+/// linear between its faces. `ratio` = dt/h \[s/m\], `cell` the first index, `len` the values that count.
+#[inline(always)]
+pub(crate) fn feet<T: Real, const D: usize>(
+    at: &Lattice<D>,
+    faces: &[Lattice<D>; D],
+    u: &[&[T]; D],
+    ratio: f64,
+    cell: [i64; D],
+    len: usize,
+) -> [Lanes<T>; D] {
+    let half = T::of(-0.5 * ratio);
+    let mut middle = [[T::ZERO; LANES]; D];
+    for a in 0..D {
+        // Neighbours of a value among the faces of axis a: half a cell to either side, or the same place.
+        let (mut low, mut pair) = ([0; D], [false; D]);
+        for b in 0..D {
+            let offset = at.half(b) - faces[a].half(b);
+            pair[b] = offset != 0.0;
+            low[b] = if offset < 0.0 { -1 } else { 0 };
+        }
+        let here = mean(&faces[a], u[a], cell, low, pair);
+        for i in 0..LANES {
+            middle[a][i] = half * here[i];
+        }
+    }
+    inside(at, cell, len, &mut middle);
+    repeat_last(len, &mut middle);
+    // Seen from a value, faces of axis b are offset along b differently than all others.
+    let mut both = [[Weights::<T, 3>::NONE; 2]; D];
+    let mut usable = true;
+    for b in 0..D {
+        let bounds = range(&middle[b]);
+        for k in 0..2 {
+            both[b][k].set(&middle[b], bounds, T::of(at.half(b) - if k == 0 { 0.5 } else { 0.0 }));
+            usable &= both[b][k].usable();
+        }
+    }
+    let mut velocity = [[T::ZERO; LANES]; D];
+    for a in 0..D {
+        if usable {
+            let mut chosen = [&both[0][0]; D];
+            for b in 0..D {
+                chosen[b] = &both[b][usize::from(a == b)];
+            }
+            velocity[a] = linear(&faces[a], u[a], cell, chosen);
+        } else {
+            velocity[a] = by_points(at, &faces[a], u[a], cell, &middle);
+        }
+    }
+    let full = T::of(-ratio);
+    for a in 0..D {
+        for i in 0..LANES {
+            velocity[a][i] = full * velocity[a][i];
+        }
+    }
+    repeat_last(len, &mut velocity);
+    velocity
+}
+
+#[inline(never)]
+fn by_points<T: Real, const D: usize>(
+    at: &Lattice<D>,
+    faces: &Lattice<D>,
+    u: &[T],
+    cell: [i64; D],
+    shift: &[Lanes<T>; D],
+) -> Lanes<T> {
+    std::array::from_fn(|i| {
+        let mut own = cell;
+        own[0] += i as i64;
+        let shift = std::array::from_fn(|b| shift[b][i] + T::of(at.half(b) - faces.half(b)));
+        point::sample::<T, D, 2>(faces, u, own, shift).0
+    })
+}
+
+/// Keeps displaced points of `at` within the box along walled axes.
+#[inline(always)]
+pub(crate) fn inside<T: Real, const D: usize>(at: &Lattice<D>, cell: [i64; D], len: usize, shift: &mut [Lanes<T>; D]) {
+    for a in 0..D {
+        if !at.walled(a) {
+            continue;
+        }
+        // Room from the first value to the low wall and to the high wall.
+        let low = -(cell[a] as f64) - at.half(a);
+        let high = at.layout.cells()[a] as f64 - at.half(a) - cell[a] as f64;
+        let along = if a == 0 { (len - 1) as f64 } else { 0.0 };
+        let [least, most] = range(&shift[a]);
+        if least.f64() >= low && most.f64() + along <= high {
+            continue;
+        }
+        for i in 0..len {
+            let own = if a == 0 { i as f64 } else { 0.0 };
+            shift[a][i] = shift[a][i].max(T::of(low - own)).min(T::of(high - own));
+        }
+    }
+}
+
+/// Lanes behind the values of a short row follow the last one, so that they neither tear the stretch apart nor matter.
+#[inline(always)]
+fn repeat_last<T: Real, const D: usize>(len: usize, shift: &mut [Lanes<T>; D]) {
+    if len < LANES {
+        for a in 0..D {
+            let last = shift[a][len - 1];
+            shift[a][len..].fill(last);
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! Case 8 of model/fluid section 5 and its section 4: what the flow carries.
+
+use std::f64::consts::TAU;
+
+use cf_diffusion::{Advection, Diffusion, Integrator, Law, Medium, Settings, Splitting, State};
+use cf_fluid::exact::taylor_green;
+use cf_fluid::{
+    Buoyancy, Coupled, Emission, Emitter, Flow, FlowSettings, FlowWall, Fluid, Jet, Scheme, Shape, obstacles,
+};
+use cf_grid::{Axis, FaceField, Grid, Mask, Sides, Wall};
+
+use crate::common::Noise;
+
+fn closed_box(eta_div: f64, scheme: Scheme, mask: Option<&Mask<2>>) -> (Grid<2>, Coupled<f64, 2>, State<f64, 2>) {
+    let grid = Grid::<2>::new([24, 20], 0.05).unwrap();
+    let law = Law::cattaneo(1e-3, 0.5).unwrap();
+    let buoyancy = Some(Buoyancy { strength: 2.0, reference: 0.0, up: [0.3, 1.0] });
+    let settings = FlowSettings { scheme, eta_div, buoyancy, ..FlowSettings::default() };
+    let fluid = Fluid::new(&grid, &Sides::all(FlowWall::Closed), mask, settings).unwrap();
+    let diffusion = Diffusion::new(&grid, &Sides::all(Wall::CLOSED), mask.cloned(), law, Settings::default()).unwrap();
+    let mut state = State::new(&grid, &law);
+    let mut noise = Noise::new(2);
+    grid.layout().each_cell(grid.layout().cells_region(), |at| {
+        let fluid = mask.is_none_or(|m| m.fluid()[at.slot()]);
+        state.phi[at.slot()] = if fluid { 1.0 + noise.next() } else { 0.0 };
+    });
+    (grid, Coupled::new(Flow::Solved(Box::new(fluid)), diffusion, &[]).unwrap(), state)
+}
+
+#[test]
+fn mass_is_constant_for_any_divergence_tolerance() {
+    let grid = Grid::<2>::new([24, 20], 0.05).unwrap();
+    let mask = obstacles(&grid, &[Shape::Sphere { center: [0.5, 0.5], radius: 0.2 }]).unwrap();
+    for mask in [None, Some(&mask)] {
+        for scheme in [Scheme::Cnp, Scheme::ReflectionExtrapolated, Scheme::Draft] {
+            for eta in [0.3, 1e-2, 1e-6] {
+                let (grid, mut coupled, mut state) = closed_box(eta, scheme, mask);
+                let before = state.mass(&grid);
+                let mut worst = 0f64;
+                for _ in 0..20 {
+                    let report = coupled.step(&mut state, 0.05).unwrap();
+                    worst = worst.max(report.flow.unwrap().divergence);
+                }
+                assert!(worst <= eta);
+                let drift = state.mass(&grid) / before - 1.0;
+                assert!(drift.abs() < 1e-12, "{scheme:?} eta {eta}: mass drifts by {drift:e}");
+                assert!(coupled.flow.fluid().unwrap().max_speed() > 0.05, "nothing moved");
+            }
+        }
+    }
+}
+
+/// The cone scene with a fluid: its velocity stays the prescribed one.
+#[test]
+fn a_solved_uniform_stream_equals_the_prescribed_one() {
+    let grid = Grid::<2>::new([24, 48], 1.0 / 24.0).unwrap();
+    let law = Law::from_hc(2.0, 1.0, 2.0, 0.0).unwrap();
+    let sides = Sides::all(Wall::Open { inflow: 0.0 });
+    let up = [0.0, 1.0];
+    let mut walls = Sides::all(FlowWall::Open(up));
+    walls.0[1] = Axis::Walls([FlowWall::Inflow(up), FlowWall::Open(up)]);
+    let settings = Settings { integrator: Integrator::Kdk, ..Settings::default() };
+    let drop = Emitter::new(Shape::Sphere { center: [0.5, 0.5], radius: 0.06 }, None, Some(Emission::Rate(1.0)));
+    let run = |flow: Flow<f64, 2>| {
+        let diffusion = Diffusion::new(&grid, &sides, None, law, settings).unwrap();
+        let mut coupled = Coupled::new(flow, diffusion, &[drop]).unwrap();
+        let mut state = State::new(&grid, &law);
+        for _ in 0..40 {
+            coupled.step(&mut state, 0.02).unwrap();
+        }
+        (state, coupled.bytes())
+    };
+    let mut start = FaceField::new(grid.layout());
+    start.axis_mut(1).fill(1.0);
+    let mut fluid = Fluid::new(&grid, &walls, None, FlowSettings::default()).unwrap();
+    fluid.set_velocity(&start).unwrap();
+    let (solved, much) = run(Flow::Solved(Box::new(fluid)));
+    let (given, little) = run(Flow::Prescribed(Medium::Uniform(up.into())));
+    assert!(much > little);
+    let largest = grid.layout().max_abs(&given.phi);
+    let mut worst = 0f64;
+    grid.layout().each_cell(grid.layout().cells_region(), |at| {
+        worst = worst.max((solved.phi[at.slot()] - given.phi[at.slot()]).abs());
+    });
+    assert!(largest > 0.05 && worst < 1e-4 * largest, "{worst:e} of {largest:e}");
+}
+
+#[test]
+fn a_prescribed_velocity_costs_nothing() {
+    let flow = Flow::<f64, 3>::Prescribed(Medium::Uniform([1.0, 0.0, 0.0].into()));
+    assert_eq!(flow.bytes(), 0);
+    let grid = Grid::<2>::new([8, 8], TAU / 8.0).unwrap();
+    let field = taylor_green::<f32>(&grid, [0.0; 2], 0.0).unwrap();
+    let bytes = field.bytes();
+    let mut flow = Flow::Prescribed(Medium::Field(field));
+    assert_eq!(flow.bytes(), bytes);
+    flow.begin(0.1, None, &mut ()).unwrap();
+    assert_eq!(flow.finish(None, &mut ()).unwrap(), None);
+    assert_eq!(flow.bytes(), bytes);
+}
+
+/// phi carried by the translating vortices, differences between runs of 8, 16 and 32 steps on one grid.
+#[test]
+fn the_order_in_time_is_that_of_the_splitting() {
+    let n = 64;
+    let grid = Grid::<2>::new([n, n], TAU / n as f64).unwrap();
+    let law = Law::cattaneo(0.1, 0.5).unwrap();
+    let run = |steps: usize, scheme: Scheme, splitting: Splitting| {
+        let settings = FlowSettings { scheme, eta_div: 1e-9, ..FlowSettings::default() };
+        let mut fluid = Fluid::new(&grid, &Sides::periodic(), None, settings).unwrap();
+        fluid.set_velocity(&taylor_green(&grid, [1.0, 0.5], 0.0).unwrap()).unwrap();
+        let choice = Settings { splitting, tolerance: 1e-9, advection: Advection::Cubic, ..Settings::default() };
+        let diffusion = Diffusion::new(&grid, &Sides::periodic(), None, law, choice).unwrap();
+        let mut coupled = Coupled::new(Flow::Solved(Box::new(fluid)), diffusion, &[]).unwrap();
+        let mut state = State::<f64, 2>::new(&grid, &law);
+        grid.layout().par_cells(&mut state.phi, |at| {
+            let x = grid.centre(at.cell);
+            (-(x[0] - 3.0).powi(2) - (x[1] - 3.0).powi(2)).exp()
+        });
+        for _ in 0..steps {
+            coupled.step(&mut state, 1.0 / steps as f64).unwrap();
+        }
+        state
+    };
+    let distance = |a: &State<f64, 2>, b: &State<f64, 2>| {
+        let mut d = a.phi.clone();
+        d.iter_mut().zip(b.phi.iter()).for_each(|(d, b)| *d -= b);
+        grid.layout().dot(&d, &d).sqrt()
+    };
+    let orders: Vec<f64> = [
+        (Scheme::Cnp, Splitting::Strang),
+        (Scheme::ReflectionExtrapolated, Splitting::Strang),
+        (Scheme::Draft, Splitting::Paper),
+    ]
+    .into_iter()
+    .map(|(scheme, splitting)| {
+        let [a, b, c] = [8, 16, 32].map(|steps| run(steps, scheme, splitting));
+        let order = (distance(&a, &b) / distance(&b, &c)).log2();
+        println!(
+            "{scheme:?} {splitting:?}: differences {:.2e} {:.2e}, order {order:.2}",
+            distance(&a, &b),
+            distance(&b, &c)
+        );
+        order
+    })
+    .collect();
+    assert!(orders[0] > 1.7 && orders[1] > 1.7, "{orders:?}");
+    assert!(orders[2] > 0.7 && orders[2] < 1.5, "{orders:?}");
+}
+
+#[test]
+fn emitters_emit_what_they_say() {
+    let grid = Grid::<2>::new([20, 40], 0.1).unwrap();
+    let law = Law::cattaneo(0.01, 1.0).unwrap();
+    let open = Sides::all(FlowWall::OPEN);
+    let base = Shape::Box { low: [0.8, 0.0], high: [1.2, 0.22] };
+    let jet = Emitter {
+        from: 0.1,
+        until: 0.55,
+        ..Emitter::new(base, Some(Jet::Hold([0.0, 1.0])), Some(Emission::Rate(50.0)))
+    };
+    let mut floor = open;
+    floor.0[1] = Axis::Walls([FlowWall::Closed, FlowWall::OPEN]);
+    let mut walls = Sides::all(Wall::Open { inflow: 0.0 });
+    walls.0[1] = Axis::Walls([Wall::Value(0.0), Wall::Open { inflow: 0.0 }]);
+    let fluid =
+        Fluid::<f64, 2>::new(&grid, &floor, None, FlowSettings::default()).unwrap().with_emitters(&[jet]).unwrap();
+    let diffusion = Diffusion::new(&grid, &walls, None, law, Settings::default()).unwrap();
+    let mut coupled = Coupled::new(Flow::Solved(Box::new(fluid)), diffusion, &[jet]).unwrap();
+    let mut state = State::new(&grid, &law);
+    let (mut emitted, mut left) = (0.0, 0.0);
+    for step in 0..10 {
+        let report = coupled.step(&mut state, 0.1).unwrap();
+        let flow = report.flow.unwrap();
+        assert!(flow.divergence <= 1e-4 && flow.imbalance < 1e-12, "{flow:?}");
+        emitted += report.scalar.emitted;
+        left += report.scalar.outflow;
+        let u = coupled.flow.fluid().unwrap().velocity();
+        let acts = (1..5).contains(&step);
+        let (inside, inlet) = (u.axis(1)[grid.layout().slot([9, 2])], u.axis(1)[grid.layout().slot([10, 0])]);
+        assert_eq!(inside == 1.0 && inlet == 1.0, acts, "step {step}: {inside} {inlet}");
+    }
+    // 50 per second into 4 x 2 cells for 0.45 s.
+    let whole = 50.0 * 8.0 * 0.01 * 0.45;
+    assert!((emitted - whole).abs() < 1e-12, "{emitted} {whole}");
+    assert!((state.mass(&grid) + left - emitted).abs() < 1e-9);
+
+    // A held value says what it added; a set jet drives without holding.
+    let ink = Emitter::new(base, Some(Jet::Set([0.0, 1.0])), Some(Emission::Value(2.0)));
+    let fluid =
+        Fluid::<f64, 2>::new(&grid, &floor, None, FlowSettings::default()).unwrap().with_emitters(&[ink]).unwrap();
+    let diffusion = Diffusion::new(&grid, &walls, None, law, Settings::default()).unwrap();
+    let mut coupled = Coupled::new(Flow::Solved(Box::new(fluid)), diffusion, &[ink]).unwrap();
+    let mut state = State::new(&grid, &law);
+    let report = coupled.step(&mut state, 0.05).unwrap();
+    assert!((report.set - 2.0 * 8.0 * 0.01).abs() < 1e-12, "{}", report.set);
+    let fluid = coupled.flow.fluid().unwrap();
+    let v = fluid.velocity().axis(1)[grid.layout().slot([9, 1])];
+    assert!(v > 0.1 && v < 1.0, "{v}");
+    assert!(coupled.hc().unwrap() > 1.0);
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let grid = Grid::<2>::new([4, 4], 1.0).unwrap();
+    let law = Law::fourier(1.0).unwrap();
+    let mask = obstacles(&grid, &[Shape::Sphere { center: [2.0, 2.0], radius: 0.9 }]).unwrap();
+    let diffusion = Diffusion::<f64, 2>::new(&grid, &Sides::all(Wall::CLOSED), None, law, Settings::default()).unwrap();
+    let fluid = Fluid::new(&grid, &Sides::all(FlowWall::Closed), Some(&mask), FlowSettings::default()).unwrap();
+    let error = Coupled::new(Flow::Solved(Box::new(fluid)), diffusion, &[]).err().unwrap();
+    assert!(error.to_string().contains("mask"), "{error}");
+}

@@ -158,7 +158,7 @@ impl<T: Real, const D: usize> Solver<T, D> {
     }
 
     /// Solves A x = b starting from the content of `x`; the criterion stays relative to b, and what is solved is
-    /// A dx = b - A x. Solid cells of `x` are left alone. The statistics are those of the correction, but for `rhs`.
+    /// A dx = b - A x. The rim of `x` and its solid cells are not read; solid cells are left alone. The statistics are those of the correction, but for `rhs`.
     pub fn improve(&mut self, b: &[T], x: &mut [T], stop: Stop) -> Result<Statistics, SolveError> {
         self.check_length("the right-hand side", b)?;
         self.check_length("the guess", x)?;
@@ -169,6 +169,11 @@ impl<T: Real, const D: usize> Solver<T, D> {
         let [mut residual, mut dx] =
             self.correction.take().unwrap_or_else(|| [vec![T::ZERO; layout.slots()], vec![T::ZERO; layout.slots()]]);
         dx.copy_from_slice(x);
+        // What stands in the rim and in solid cells is not part of the guess.
+        layout.clear_rim(&mut dx);
+        if let Some(fluid) = &self.fluid {
+            dx.iter_mut().zip(fluid).for_each(|(x, &fluid)| *x = if fluid { *x } else { T::ZERO });
+        }
         self.engine.operator().apply(&mut dx, &mut self.vectors.p);
         // A x may be out of the range of T, so that the residual is formed in f64 and stored in a unit of its own.
         let (ap, scale) = (&self.vectors.p[..], self.scale);

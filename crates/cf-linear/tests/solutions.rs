@@ -194,6 +194,24 @@ fn a_warm_start_reaches_the_same_solution_sooner() {
     }
 }
 
+/// A guess is its fluid cells: neither rim nor solid cells count.
+#[test]
+fn the_rim_of_a_guess_does_not_matter() {
+    for rim in [5.0, f64::NAN] {
+        let case = Case::new([20, 16], [HELD, CLOSED], 1.0, 30.0).masked(|c| c != [4, 4] && c != [5, 9]);
+        let mut solver = Solver::<f64, 2>::new(&case.helmholtz(), Options::default()).unwrap();
+        let b = random_field::<f64, 2>(&case.layout, 8);
+        let (mut x, mut dirty) = (vec![0.0; b.len()], vec![rim; b.len()]);
+        case.layout.par_cells(&mut dirty, |at| if case.is_fluid(at.cell) { 0.3 } else { rim });
+        solver.solve(&b, &mut x, Stop::Relative(1e-12)).unwrap();
+        solver.improve(&b, &mut dirty, Stop::Relative(1e-12)).unwrap();
+        case.layout.each_cell(case.layout.cells_region(), |at| {
+            let s = at.slot();
+            assert!(!case.is_fluid(at.cell) || (x[s] - dirty[s]).abs() < 1e-9, "{:?}: {} {}", at.cell, x[s], dirty[s]);
+        });
+    }
+}
+
 #[test]
 fn what_the_solution_held_before_does_not_matter() {
     for (alpha, kappa) in [(0.0, 1.0), (1.0, 1e-3), (1.0, 1e4), (1.0, 0.0)] {

@@ -19,6 +19,18 @@ pub enum SpectralError {
         /// What was found.
         wall: Wall,
     },
+    /// The continuous solution is made for walls of value 0.
+    #[error(
+        "the {end:?} wall of axis {axis} is {wall:?}, expected Flux(0.0), Value(0.0) or a periodic axis; subtract the steady state first"
+    )]
+    Lifted {
+        /// Axis of the wall.
+        axis: usize,
+        /// End of the axis.
+        end: End,
+        /// What was found.
+        wall: Wall,
+    },
     /// An axis has more cells than modes can be numbered.
     #[error("axis {axis} has {cells} cells, expected at most 2^32; use fewer cells")]
     Cells {

@@ -5,7 +5,11 @@
 
 use rayon::prelude::*;
 
-use crate::transform::{AxisTransform, Direction};
+use cf_diffusion::exact::Walls;
+use cf_grid::{Axis, Grid, Sides, Wall};
+
+use crate::error::SpectralError;
+use crate::transform::{AxisTransform, Direction, Of};
 
 /// Columns that are turned together: a cache line of doubles, twice.
 const BAND: usize = 16;
@@ -16,6 +20,22 @@ pub(crate) struct Modes<const D: usize> {
 }
 
 impl<const D: usize> Modes<D> {
+    /// The transforms that belong to the walls of a box.
+    pub fn new(grid: &Grid<D>, sides: &Sides<Wall, D>, of: Of) -> Result<Self, SpectralError> {
+        for (axis, end, wall) in sides.walls() {
+            if !matches!(wall, Wall::Value(v) if v.is_finite()) && wall != Wall::CLOSED {
+                return Err(SpectralError::Wall { axis, end, wall });
+            }
+        }
+        let mut axes = Vec::with_capacity(D);
+        for (axis, &cells) in grid.cells().iter().enumerate() {
+            let modes = AxisTransform::new(walls(sides.0[axis]), cells, grid.h(), of);
+            axes.push(modes.ok_or(SpectralError::Cells { axis, cells })?);
+        }
+        let Ok(axes) = axes.try_into() else { unreachable!("one entry was pushed per axis") };
+        Ok(Self { axes })
+    }
+
     /// Cells and modes.
     pub fn count(&self) -> usize {
         self.axes.iter().map(AxisTransform::cells).product()
@@ -46,6 +66,19 @@ impl<const D: usize> Modes<D> {
     }
 }
 
+fn walls(axis: Axis<Wall>) -> Walls {
+    let valued = |wall| matches!(wall, Wall::Value(_));
+    match axis {
+        Axis::Periodic => Walls::Periodic,
+        Axis::Walls([low, high]) => match (valued(low), valued(high)) {
+            (false, false) => Walls::Closed,
+            (true, true) => Walls::Valued,
+            (false, true) => Walls::ClosedValued,
+            (true, false) => Walls::ValuedClosed,
+        },
+    }
+}
+
 /// Rows of `columns` numbers become columns.
 fn turn(columns: usize, data: &[f64], out: &mut [f64]) {
     let rows = data.len() / columns;
@@ -63,7 +96,6 @@ fn turn(columns: usize, data: &[f64], out: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cf_diffusion::exact::Walls;
 
     #[test]
     fn turning_all_axes_changes_nothing() {
@@ -81,7 +113,7 @@ mod tests {
     fn there_and_back_is_the_identity() {
         let walls = [Walls::Closed, Walls::Periodic, Walls::ValuedClosed];
         let axes = [6, 5, 4];
-        let modes = Modes { axes: [0, 1, 2].map(|a| AxisTransform::new(walls[a], axes[a], 0.1).unwrap()) };
+        let modes = Modes { axes: [0, 1, 2].map(|a| AxisTransform::new(walls[a], axes[a], 0.1, Of::Cells).unwrap()) };
         let data: Vec<f64> = (0..modes.count()).map(|i| (i as f64 * 0.7).sin()).collect();
         let (mut now, mut work) = (data.clone(), data.clone());
         modes.transform(Direction::There, &mut now, &mut work);

@@ -1,14 +1,14 @@
 //! The step: to the modes, one exact propagator each, and back.
 
-use cf_diffusion::exact::{Walls, modes, source};
+use cf_diffusion::exact::{modes, source};
 use cf_diffusion::{Law, Medium, Source, State, StepReport};
-use cf_grid::{Axis, End, Grid, Real, Sides, Wall};
+use cf_grid::{End, Grid, Real, Sides, Wall};
 
 use crate::cells;
 use crate::error::SpectralError;
 use crate::modes::Modes;
 use crate::shift::Shift;
-use crate::transform::{AxisTransform, Direction};
+use crate::transform::{Direction, Of};
 
 /// A stepper on one box without error in time; see the [crate](crate).
 pub struct Spectral<const D: usize> {
@@ -30,18 +30,7 @@ impl<const D: usize> Spectral<D> {
     /// # Errors
     /// Walls other than closed ones and finite values.
     pub fn new(grid: &Grid<D>, sides: &Sides<Wall, D>, law: Law) -> Result<Self, SpectralError> {
-        for (axis, end, wall) in sides.walls() {
-            if !matches!(wall, Wall::Value(v) if v.is_finite()) && wall != Wall::CLOSED {
-                return Err(SpectralError::Wall { axis, end, wall });
-            }
-        }
-        let mut axes = Vec::with_capacity(D);
-        for (axis, &cells) in grid.cells().iter().enumerate() {
-            let modes = AxisTransform::new(walls(sides.0[axis]), cells, grid.h());
-            axes.push(modes.ok_or(SpectralError::Cells { axis, cells })?);
-        }
-        let Ok(axes) = axes.try_into() else { unreachable!("one entry was pushed per axis") };
-        let modes = Modes { axes };
+        let modes = Modes::new(grid, sides, Of::Cells)?;
         let zeros = vec![0.0; modes.count()];
         let mut made = Self {
             grid: *grid,
@@ -226,18 +215,5 @@ impl<const D: usize> Spectral<D> {
                 shift.apply(&layout, region, distance[axis], q);
             }
         }
-    }
-}
-
-fn walls(axis: Axis<Wall>) -> Walls {
-    let valued = |wall| matches!(wall, Wall::Value(_));
-    match axis {
-        Axis::Periodic => Walls::Periodic,
-        Axis::Walls([low, high]) => match (valued(low), valued(high)) {
-            (false, false) => Walls::Closed,
-            (true, true) => Walls::Valued,
-            (false, true) => Walls::ClosedValued,
-            (true, false) => Walls::ValuedClosed,
-        },
     }
 }

@@ -8,6 +8,7 @@
 //! | valued, closed | sin π(m+½)(i+½)/n | DST-IV | DST-IV |
 //! | periodic | cos 2πmi/n + sin 2πmi/n | Hartley, by an FFT | the same |
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use cf_diffusion::exact::{AxisModes, Walls};
@@ -38,10 +39,23 @@ pub(crate) enum Direction {
     Back,
 }
 
+/// Whose eigenvalues the modes get; on both, the vectors are the same at the centres of cells.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Of {
+    /// −∇²_h between neighbours.
+    Cells,
+    /// −∇² of the continuous waves.
+    Waves,
+}
+
 impl AxisTransform {
     /// `None` for an axis that has no modes (no or too many cells).
-    pub fn new(walls: Walls, cells: usize, h: f64) -> Option<Self> {
+    pub fn new(walls: Walls, cells: usize, h: f64, of: Of) -> Option<Self> {
         let modes = AxisModes::new(walls, cells, h)?;
+        let eigenvalue = |m: usize| match of {
+            Of::Cells => modes.eigenvalue(m),
+            Of::Waves => (PI * half_waves(walls, cells, m) / (cells as f64 * h)).powi(2),
+        };
         let mut planner = DctPlanner::new();
         let kind = match walls {
             Walls::Periodic => Kind::Hartley(FftPlanner::new().plan_fft_forward(cells)),
@@ -50,7 +64,7 @@ impl AxisTransform {
             Walls::ClosedValued => Kind::CosineMixed(planner.plan_dct4(cells)),
             Walls::ValuedClosed => Kind::SineMixed(planner.plan_dst4(cells)),
         };
-        Some(Self { kind, cells, eigenvalues: (0..cells).map(|m| modes.eigenvalue(m)).collect() })
+        Some(Self { kind, cells, eigenvalues: (0..cells).map(eigenvalue).collect() })
     }
 
     pub fn cells(&self) -> usize {
@@ -95,6 +109,16 @@ impl AxisTransform {
     }
 }
 
+/// Half waves of mode m along an axis, the shortest that the cells show.
+fn half_waves(walls: Walls, cells: usize, m: usize) -> f64 {
+    match walls {
+        Walls::Periodic => 2.0 * m.min(cells - m) as f64,
+        Walls::Closed => m as f64,
+        Walls::Valued => m as f64 + 1.0,
+        Walls::ClosedValued | Walls::ValuedClosed => m as f64 + 0.5,
+    }
+}
+
 /// Σ_i f_i (cos 2πmi/n + sin 2πmi/n), real part minus imaginary part of the Fourier transform.
 fn hartley(fft: &dyn Fft<f64>, row: &mut [f64], work: &mut [Complex<f64>]) {
     let (line, scratch) = work.split_at_mut(row.len());
@@ -111,7 +135,7 @@ mod tests {
     fn each_mode_becomes_one_coefficient_and_comes_back() {
         for walls in [Walls::Periodic, Walls::Closed, Walls::Valued, Walls::ClosedValued, Walls::ValuedClosed] {
             for n in [1, 2, 3, 7, 16, 33, 64] {
-                let axis = AxisTransform::new(walls, n, 0.3).unwrap();
+                let axis = AxisTransform::new(walls, n, 0.3, Of::Cells).unwrap();
                 let modes = AxisModes::new(walls, n, 0.3).unwrap();
                 for m in 0..n {
                     let f: Vec<f64> = (0..n).map(|i| modes.vector(m, i)).collect();

@@ -1,10 +1,10 @@
 //! The spectral step against single modes, itself, and the steps of `cf-diffusion`.
 
-use cf_diffusion::exact::{AxisModes, Walls, modes, source};
+use cf_diffusion::exact::{AxisModes, Gaussian, Walls, modes, source};
 use cf_diffusion::verify::{Case, Random};
 use cf_diffusion::{Integrator, Law, Medium, Source, State};
 use cf_grid::{Axis, Sides, Wall};
-use cf_spectral::{Spectral, SpectralError};
+use cf_spectral::{Spectral, SpectralError, smooth};
 use nalgebra::SVector;
 
 const ALL: [Walls; 5] = [Walls::Periodic, Walls::Closed, Walls::Valued, Walls::ClosedValued, Walls::ValuedClosed];
@@ -244,4 +244,35 @@ fn what_it_cannot_do_it_refuses() {
     let mut fourier = State::<f64, 2>::new(&box2.grid, &Law::fourier(1.0).unwrap());
     let refused = stepper.step(&mut fourier, &Medium::Still, Source::NONE, 1.0);
     assert!(matches!(refused, Err(SpectralError::SlowFlux { found: false })));
+}
+
+#[test]
+fn smooth_data_follow_the_continuous_equations() {
+    // In free space until the walls are reached; and the grid's own solution comes nearer with the square of h.
+    let gaussian = Gaussian { height: 1.0, sigma: 0.05 };
+    for law in [Law::cattaneo(0.04, 1.0), Law::jeffreys(0.01, 0.3, 0.1), Law::fourier(0.005)].map(Result::unwrap) {
+        let mut far = [0.0f64; 2];
+        for (far, n) in far.iter_mut().zip([32, 64]) {
+            let mut case = case([n, n], Sides([axis(Walls::Closed), Axis::Periodic]), law);
+            case.grid = cf_grid::Grid::new([n, n], 1.0 / n as f64).unwrap();
+            let r = |c: [usize; 2]| (case.grid.centre(c) - SVector::from([0.5, 0.5])).norm();
+            let mut state = State::<f64, 2>::new(&case.grid, &law);
+            case.set_phi(&mut state, |c| gaussian.free(&law, 2, r(c), 0.0));
+            let mut phi = state.phi.clone();
+            smooth(&case.grid, &case.sides, &law, &mut phi, 0.5).unwrap();
+            spectral(&case).step(&mut state, &Medium::Still, Source::NONE, 0.5).unwrap();
+            let layout = case.grid.layout();
+            layout.each_cell(layout.cells_region(), |at| {
+                if n == 64 && at.cell[0] % 7 == 0 && at.cell[1] % 5 == 0 {
+                    let exact = gaussian.free(&law, 2, r(at.cell), 0.5);
+                    assert!((phi[at.slot()] - exact).abs() < 2e-6, "{law:?} {:?}", at.cell);
+                }
+                *far = far.max((phi[at.slot()] - state.phi[at.slot()]).abs());
+            });
+        }
+        assert!(((far[0] / far[1]).log2() - 2.0).abs() < 0.3, "{law:?}: {far:?}");
+    }
+    let grid = cf_grid::Grid::new([4, 4], 0.25).unwrap();
+    let refused = smooth(&grid, &Sides::all(Wall::Value(1.0)), &Law::fourier(1.0).unwrap(), &mut [0.0; 36], 1.0);
+    assert!(matches!(refused, Err(SpectralError::Lifted { axis: 0, .. })));
 }

@@ -45,7 +45,8 @@ pub fn cheaper(rows: &[Measured]) -> Claim {
         };
         cheapest(rows.iter().filter(counts), ERROR)
     };
-    let name = format!("P1 2D, F_T = 0: at an error of {ERROR:e} standard is at least {CHEAPER} times cheaper than PaperBe");
+    let name =
+        format!("P1 2D, F_T = 0: at an error of {ERROR:e} standard is at least {CHEAPER} times cheaper than PaperBe");
     match (of(true), of(false)) {
         (Some(ours), Some(paper)) => {
             let ratio = paper.seconds / ours.seconds;

@@ -91,8 +91,11 @@ fn drawn(found: &Found<'_>, sweep: &Sweep<'_>, out: &Path) -> Result<Vec<String>
     let mut names = Vec::new();
     for problem in problems(found.rows) {
         let rows: Vec<&Measured> = found.rows.iter().filter(|m| m.problem == problem).collect();
-        let words: Vec<String> =
-            problem.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty()).map(str::to_lowercase).collect();
+        let words: Vec<String> = problem
+            .split(|c: char| !c.is_ascii_alphanumeric())
+            .filter(|w| !w.is_empty())
+            .map(str::to_lowercase)
+            .collect();
         let name = format!("pareto_{}.png", words.join("_"));
         pictures::pareto(problem, &rows).write_png(&out.join(&name))?;
         names.push(name);

@@ -90,7 +90,11 @@ impl Measured {
             _ => String::new(),
         };
         let plural = |n| if n == 1 { "" } else { "s" };
-        format!("{scheme}, {cells}, {steps} step{}, {numbers}{solve}, {threads} thread{}", plural(steps), plural(threads))
+        format!(
+            "{scheme}, {cells}, {steps} step{}, {numbers}{solve}, {threads} thread{}",
+            plural(steps),
+            plural(threads)
+        )
     }
 }
 
@@ -147,7 +151,8 @@ mod tests {
             seconds,
             runs: 3,
         };
-        let all = [measured(3.0, 0.1), measured(1.0, 0.5), measured(2.0, 0.6), measured(4.0, 0.1), measured(0.5, f64::NAN)];
+        let all =
+            [measured(3.0, 0.1), measured(1.0, 0.5), measured(2.0, 0.6), measured(4.0, 0.1), measured(0.5, f64::NAN)];
         assert_eq!(best(&all.iter().collect::<Vec<_>>()), [[1.0, 0.5], [3.0, 0.1]]);
         assert_eq!(cheapest(all.iter(), 0.2).map(|m| m.seconds), Some(3.0));
         assert_eq!(cheapest(all.iter(), 0.01), None);

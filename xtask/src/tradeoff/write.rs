@@ -26,8 +26,24 @@ pub struct Found<'a> {
 }
 
 const COLUMNS: [&str; 19] = [
-    "problem", "cells", "integrator", "steps", "c dt/h", "precision", "tolerance", "threads", "error", "error in time",
-    "error 1-norm", "error max", "overshoot", "mass drift", "front width [cells]", "ringing", "iterations", "time [s]",
+    "problem",
+    "cells",
+    "integrator",
+    "steps",
+    "c dt/h",
+    "precision",
+    "tolerance",
+    "threads",
+    "error",
+    "error in time",
+    "error 1-norm",
+    "error max",
+    "overshoot",
+    "mass drift",
+    "front width [cells]",
+    "ringing",
+    "iterations",
+    "time [s]",
     "runs",
 ];
 
@@ -96,8 +112,19 @@ pub fn summary(found: &Found<'_>, path: &Path) -> Result<(), Failure> {
 /// The heads and rows of the table for people, of one problem or of all.
 pub fn table<'a>(rows: impl Iterator<Item = &'a Measured>) -> (Vec<&'static str>, Vec<Vec<String>>) {
     let heads = vec![
-        "problem", "cells", "integrator", "steps", "c dt/h", "numbers", "tolerance", "threads", "error", "in time",
-        "overshoot", "width", "ms",
+        "problem",
+        "cells",
+        "integrator",
+        "steps",
+        "c dt/h",
+        "numbers",
+        "tolerance",
+        "threads",
+        "error",
+        "in time",
+        "overshoot",
+        "width",
+        "ms",
     ];
     let or_dash = |x: f64, text: String| if x.is_nan() { "-".to_owned() } else { text };
     let rows = rows.map(|m| {
@@ -172,7 +199,14 @@ pub fn orders(rows: &[Row]) -> Vec<Vec<String>> {
     let words = |r: &Row| {
         let verdict = if r.pass() { "agrees" } else { "differs" };
         let numbers = [r.expected, r.measured].map(|x| format!("{x:.1e}"));
-        vec![r.law.clone(), r.scheme.into(), r.steps.to_string(), numbers[0].clone(), numbers[1].clone(), verdict.into()]
+        vec![
+            r.law.clone(),
+            r.scheme.into(),
+            r.steps.to_string(),
+            numbers[0].clone(),
+            numbers[1].clone(),
+            verdict.into(),
+        ]
     };
     rows.iter().map(words).collect()
 }

@@ -112,7 +112,7 @@ fn problems(rows: &[Measured]) -> Vec<&str> {
     names
 }
 
-/// The cheapest setting for an error, problem by problem; the reference itself is no recommendation.
+/// The cheapest setting for an error, problem by problem.
 fn recommend(rows: &[Measured], error: f64) {
     say!("\nCheapest setting with a relative error of at most {error:e}");
     for problem in problems(rows) {

@@ -28,7 +28,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// Whether both agree, by half a unit of the last printed digit or [`WITHIN`].
+    /// Whether both agree within [`WITHIN`].
     pub fn pass(&self) -> bool {
         (self.measured / self.expected - 1.0).abs() <= WITHIN
     }

@@ -10,9 +10,10 @@ fn arrows() -> BTreeMap<&'static str, &'static [&'static str]> {
         ("cf-linear", &["cf-grid"]),
         ("cf-diffusion", &["cf-grid", "cf-linear"]),
         ("cf-fluid", &["cf-diffusion", "cf-grid", "cf-linear"]),
+        ("cf-spectral", &["cf-diffusion", "cf-grid"]),
         ("cf-output", &["cf-grid"]),
         ("cf-scene", &["cf-diffusion", "cf-grid", "cf-linear", "cf-output"]),
-        ("xtask", &["cf-diffusion", "cf-grid", "cf-linear", "cf-output", "cf-scene"]),
+        ("xtask", &["cf-diffusion", "cf-grid", "cf-linear", "cf-output", "cf-scene", "cf-spectral"]),
         ("cf-tests", &[]),
     ])
 }

@@ -47,6 +47,9 @@ pub enum Command {
     /// Measures this machine's memory and the kernels against it.
     #[command(after_help = BENCH_EXAMPLES)]
     Bench(BenchArgs),
+    /// Measures what accuracy costs: error against wall time of every integrator, on problems with a known solution.
+    #[command(after_help = "Example: cargo xtask tradeoff --problem P1 --quick --target-error 1e-2")]
+    Tradeoff(TradeoffArgs),
 }
 
 /// `figure`.
@@ -211,4 +214,43 @@ impl SolverArgs {
             .iter()
             .all(|&n| n == 0)
     }
+}
+
+/// The problems of `tradeoff`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Canonical {
+    /// A Gaussian spreads in a box, F_T of 0, 0.1 and 1.
+    #[value(name = "P1", alias = "p1")]
+    P1,
+    /// A jump moves on as a front, F_T = 0: a step in one dimension, a disc in two.
+    #[value(name = "P2", alias = "p2")]
+    P2,
+    /// Both.
+    #[value(name = "all")]
+    All,
+}
+
+/// `tradeoff`.
+#[derive(Args, Debug)]
+pub struct TradeoffArgs {
+    /// Which problem.
+    #[arg(long, value_enum, default_value = "all")]
+    pub problem: Canonical,
+    /// Smaller grids, fewer settings: about a minute.
+    #[arg(long)]
+    pub quick: bool,
+    /// Print the cheapest setting whose relative error is at most this.
+    #[arg(long, value_name = "E", value_parser = positive)]
+    pub target_error: Option<f64>,
+    /// Where to write; out/tradeoff unless given.
+    #[arg(long, value_name = "DIR", default_value = "out/tradeoff")]
+    pub out: PathBuf,
+    /// Also write the table for docs/tradeoff into this folder.
+    #[arg(long, value_name = "DIR")]
+    pub docs: Option<PathBuf>,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| format!("expected a number, found `{text}`"))?;
+    if value > 0.0 && value.is_finite() { Ok(value) } else { Err(format!("expected a number above 0, found {value}")) }
 }

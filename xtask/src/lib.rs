@@ -24,6 +24,7 @@ mod pool;
 mod regress;
 mod show;
 mod terminal;
+mod tradeoff;
 mod verify;
 
 use clap::Parser;
@@ -50,6 +51,7 @@ pub fn main_with(args: impl IntoIterator<Item = impl Into<OsString> + Clone>, st
         Command::Verify(asked) => verify::verify(&asked),
         Command::Regress(asked) => regress::regress(&asked, stop),
         Command::Bench(asked) => bench::bench(&asked, stop),
+        Command::Tradeoff(asked) => tradeoff::tradeoff(&asked, stop),
     };
     outcome.map_or_else(|failure| failure.report(), |()| Exit::Fine)
 }

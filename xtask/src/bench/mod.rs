@@ -12,9 +12,9 @@ mod peers;
 mod problem;
 mod solver;
 mod step;
-mod stream;
+pub(crate) mod stream;
 mod table;
-mod timing;
+pub(crate) mod timing;
 
 use crate::cli::{Bench, BenchArgs, SolverArgs};
 use crate::failure::{Exit, Failure};
@@ -179,7 +179,8 @@ fn fits(problem: &Problem) -> Result<(), Failure> {
     Err(Failure::usage(format!("{problem}: needs about {needs}, the machine has {has}")))
 }
 
-fn numerical(error: impl std::fmt::Display) -> Failure {
+/// What went wrong in the numbers, as a failure.
+pub(crate) fn numerical(error: impl std::fmt::Display) -> Failure {
     Failure::Words(Exit::Numerical, error.to_string())
 }
 

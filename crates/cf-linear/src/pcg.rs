@@ -84,7 +84,7 @@ pub(crate) fn iterate<T: Real, Z: Real, const D: usize>(
             #[inline(always)]
             |_, r| residual_norms(r),
         );
-        norms = Norms { two: square.sqrt(), largest: largest.0, sum, solution };
+        norms = Norms { two: square.sqrt(), largest: largest.0, sum, solution, weighted: None };
         // Rounding slowly gives the residual a constant part, which no correction can remove.
         let drifted = match deflation {
             Deflation::None => false,

@@ -49,6 +49,8 @@ pub struct Solver<T, const D: usize> {
     alpha: f64,
     scale: f64,
     conductance: f64,
+    /// Diagonal of an inner cell.
+    inner: f64,
     choice: Choice,
     options: Options,
     deflation: Deflation,
@@ -79,6 +81,7 @@ impl<T: Real, const D: usize> Solver<T, D> {
             alpha: helmholtz.alpha(),
             scale: helmholtz.scale(),
             conductance: helmholtz.conductance(),
+            inner: (helmholtz.alpha() + 2.0 * D as f64 * helmholtz.kappa()).min(helmholtz.scale()),
             engine: Engine::new(helmholtz, choice.plan, options.precision),
             choice,
             options,
@@ -254,8 +257,9 @@ impl<T: Real, const D: usize> Solver<T, D> {
         }
     }
 
-    /// The rounding floor of max|r| for a solution of this size, 8 eps (alpha + 4 D kappa) max|x| (model 5.5), with
-    /// 2 D kappa replaced by the largest sum of conductances.
+    /// A bound of the rounding of max|r| for any x with max|x| = `largest`: 8 eps (alpha + 2 W) `largest`, W the largest
+    /// sum of a cell's conductances, 2 D kappa inside. What a solve accepts as its end is judged row by row instead
+    /// ([`Statistics::at_floor`]).
     pub fn floor(&self, largest: f64) -> f64 {
         8.0 * T::EPSILON * (2.0 * self.scale - self.alpha) * largest
     }
@@ -291,6 +295,7 @@ impl<T: Real, const D: usize> Solver<T, D> {
             wanted,
             alpha: self.alpha / self.scale,
             conductance: self.conductance / self.scale,
+            inner: self.inner / self.scale,
             limit: self.options.limit,
         };
         let v = &mut self.vectors;

@@ -47,6 +47,9 @@ pub(crate) trait Stencil<T: Real, const D: usize>: Sync {
         f: impl Fn(T, T) -> T + Copy,
     );
 
+    /// out = diagonal · x on a run, `x` its cells.
+    fn weigh(&self, run: &Run<'_, D>, x: &[T], out: &mut [T]);
+
     /// Sets the cells of one colour, (sum of indices) % 2 == `colour`, to the solution of their own equation. `row` is
     /// the padded row of the level: cell `i` is `row[i + 1]`.
     fn relax(&self, run: &Run<'_, D>, row: &mut [T], near: Rows<'_, T, D>, b: &[T], colour: usize);
@@ -258,6 +261,29 @@ impl<T: Real, const D: usize> Stencil<T, D> for BoxStencil<D> {
     }
 
     #[inline(always)]
+    fn weigh(&self, run: &Run<'_, D>, x: &[T], out: &mut [T]) {
+        let w = self.row_weights::<T>(run);
+        let diagonal = T::of(w.diagonal + 2.0 * w.x.f64());
+        each(
+            run,
+            self.axes[0].len(),
+            out,
+            |v, _| v,
+            #[inline(always)]
+            |t, values| {
+                for (v, &x) in values.iter_mut().zip(&x[t..]) {
+                    *v = diagonal * x;
+                }
+            },
+            #[inline(always)]
+            |i, t| {
+                let (scale, wl, wr) = self.edge(i, w.area);
+                T::of(scale * w.diagonal + wl + wr) * x[t]
+            },
+        );
+    }
+
+    #[inline(always)]
     fn relax(&self, run: &Run<'_, D>, row: &mut [T], near: Rows<'_, T, D>, b: &[T], colour: usize) {
         let w = self.row_weights::<T>(run);
         let first = run.cell[0];
@@ -378,6 +404,13 @@ impl<T: Real, const D: usize> Stencil<T, D> for StoredStencil<T, D> {
                 sum += wl[a][i] * near.low[a][i] + wh[a][i] * near.high[a][i];
             }
             out[i] = f(inverse[i] * sum, out[i]);
+        }
+    }
+
+    #[inline(always)]
+    fn weigh(&self, run: &Run<'_, D>, x: &[T], out: &mut [T]) {
+        for ((out, &x), &inverse) in out.iter_mut().zip(x).zip(run.row(&self.inverse)) {
+            *out = if inverse > T::ZERO { x / inverse } else { T::ZERO };
         }
     }
 

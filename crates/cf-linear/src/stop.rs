@@ -20,8 +20,9 @@ pub struct Statistics {
     pub residual: f64,
     /// max|r| reached.
     pub largest: f64,
-    /// The residual is above the tolerance, but at the rounding floor 8 eps (alpha + 4 D kappa) max|x| (for conserving
-    /// operators max|x - mean|).
+    /// The residual is above the tolerance, but no larger than rounding explains row by row: 4 eps ‖diagonal · x‖ in the
+    /// norm of the criterion (of x - mean for conserving operators), so that a strong wall or a large share counts only
+    /// where it is. Going on from the true residual did not halve it any more.
     pub at_floor: bool,
 }
 

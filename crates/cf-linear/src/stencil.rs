@@ -78,7 +78,7 @@ struct RowWeights<T, const D: usize> {
 impl<const D: usize> BoxStencil<D> {
     #[inline(always)]
     fn row_weights<T: Real>(&self, run: &Run<'_, D>) -> RowWeights<T, D> {
-        let inner = self.axes[0].width[0];
+        let inner = self.bulk_width();
         let (mut low, mut high, mut area) = ([0.0; D], [0.0; D], 1.0);
         for a in 1..D {
             let mut across = inner;
@@ -108,6 +108,13 @@ impl<const D: usize> BoxStencil<D> {
         }
     }
 
+    /// Width along x of all cells but the first and the last two.
+    #[inline(always)]
+    fn bulk_width(&self) -> f64 {
+        let width = &self.axes[0].width;
+        width[1.min(width.len() - 1)]
+    }
+
     /// Cells whose two x faces and width are those of the bulk.
     #[inline(always)]
     fn inner(&self, run: &Run<'_, D>) -> std::ops::Range<usize> {
@@ -120,7 +127,7 @@ impl<const D: usize> BoxStencil<D> {
     #[inline(always)]
     fn edge(&self, i: usize, area: f64) -> (f64, f64, f64) {
         let x = &self.axes[0];
-        (x.width[i] / x.width[0], x.face[i] * area, x.face[i + 1] * area)
+        (x.width[i] / self.bulk_width(), x.face[i] * area, x.face[i + 1] * area)
     }
 
     /// Solution of the equation of cell `i` (entry `t` of the run) near the ends of a row.

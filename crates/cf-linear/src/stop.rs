@@ -5,7 +5,7 @@
 pub enum Stop {
     /// ‖r‖₂ <= tolerance · ‖b‖₂, b without the constants that are removed exactly.
     Relative(f64),
-    /// max|r| <= tolerance. For alpha = 1 this bounds the error: max|x - x_exact| <= max|r| (model/diffusion.md 5.5).
+    /// max|r| <= tolerance. For alpha = 1 this bounds the error: max|x - x_exact| <= max|r|.
     Largest(f64),
 }
 
@@ -40,16 +40,4 @@ pub struct Deviation {
     pub statistics: Statistics,
     /// max|y|.
     pub size: f64,
-}
-
-impl Deviation {
-    /// The same in a larger unit.
-    pub(crate) fn times(mut self, unit: f64) -> Self {
-        self.factor *= unit;
-        self.constants.iter_mut().chain(&mut self.removed).for_each(|c| *c *= unit);
-        self.statistics.rhs *= unit;
-        self.statistics.residual *= unit;
-        self.statistics.largest *= unit;
-        self
-    }
 }

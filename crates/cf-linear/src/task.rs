@@ -15,8 +15,6 @@ use crate::pcg::{self, Vectors};
 pub(crate) enum Goal {
     /// ‖r‖₂ against ‖b‖₂.
     Relative(f64),
-    /// ‖r‖₂.
-    Two(f64),
     /// max|r|.
     Largest(f64),
 }
@@ -24,14 +22,14 @@ pub(crate) enum Goal {
 impl Goal {
     pub fn tolerance(self) -> f64 {
         match self {
-            Goal::Relative(t) | Goal::Two(t) | Goal::Largest(t) => t,
+            Goal::Relative(t) | Goal::Largest(t) => t,
         }
     }
 
     /// The norm it is about.
     pub fn measure(self, norms: Norms) -> f64 {
         match self {
-            Goal::Relative(_) | Goal::Two(_) => norms.two,
+            Goal::Relative(_) => norms.two,
             Goal::Largest(_) => norms.largest,
         }
     }
@@ -172,7 +170,7 @@ fn scaled_sum<T: Real>(b: &[T], scale: f64) -> f64 {
 }
 
 /// The largest power of two that is at most `largest`, within the range whose inverse is finite.
-pub(crate) fn unit_of(largest: f64) -> f64 {
+fn unit_of(largest: f64) -> f64 {
     if largest > 0.0 { 2f64.powi((largest.log2().floor() as i32).clamp(-1022, 1023)) } else { 1.0 }
 }
 
@@ -214,7 +212,7 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
         let [two, largest] = norms.weighted.unwrap_or_default();
         match self.goal {
             Goal::Largest(_) => T::EPSILON * FLOOR * largest + offset,
-            Goal::Relative(_) | Goal::Two(_) => T::EPSILON * FLOOR * two + offset * cells.sqrt(),
+            Goal::Relative(_) => T::EPSILON * FLOOR * two + offset * cells.sqrt(),
         }
     }
 

@@ -32,7 +32,7 @@ fn check<T: Real, const D: usize>(case: &Case<D>, dense: &Dense, precision: Prec
     }
     let exact = dense.factor.solve(&b);
     let error = largest(&(&x - &exact)) / largest(&exact);
-    assert!(error <= 10.0 * t.max(10.0 * T::EPSILON.max(1e-11)), "{what}: error {error:e}, {done:?}");
+    assert!(error <= 10.0 * t.max(30.0 * T::EPSILON.max(1e-11)), "{what}: error {error:e}, {done:?}");
     true
 }
 
@@ -76,6 +76,25 @@ fn walls_of_any_strength() {
         let mut case = Case::new([9, 8, 7], [CLOSED; 3], 0.0, 1.0);
         case.walls = Sides([Axis::Walls([strength, 0.0]), Axis::Periodic, Axis::Walls([0.3, 0.0])]);
         assert_eq!(check_all(&case, &format!("space, {strength:e}")), [true; 3], "{strength:e}");
+    }
+}
+
+/// PCG stops on its own residual, from which the true one differs by rounding: it has to go on far enough.
+#[test]
+fn every_tolerance_above_the_floor_is_met() {
+    for (mix, kappa) in [([HELD, CLOSED], 30.0), ([CLOSED; 2], 1e3), ([HELD; 2], 1e4)] {
+        let case = Case::new([40, 33], mix, 1.0, kappa);
+        let mut solver =
+            Solver::<f32, 2>::new(&case.helmholtz(), Options { plan: Some(Plan::Multigrid), ..Default::default() })
+                .unwrap();
+        let b = random_field::<f32, 2>(&case.layout, 7);
+        for i in 0..400 {
+            let t = 10f64.powf(-2.0 - f64::from(i) / 80.0);
+            let mut x = vec![0.0; b.len()];
+            let done =
+                solver.solve(&b, &mut x, Stop::Relative(t)).unwrap_or_else(|e| panic!("{mix:?} {kappa} to {t:e}: {e}"));
+            assert!(done.residual <= t * done.rhs || done.at_floor && t < 4e-6, "{mix:?} {kappa} to {t:e}: {done:?}");
+        }
     }
 }
 

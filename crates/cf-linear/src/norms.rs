@@ -34,16 +34,33 @@ pub(crate) fn norms<T: Real, const D: usize>(layout: &Layout<D>, r: &[T]) -> Nor
 /// Square, sum and largest entry of a row of a residual.
 #[inline(always)]
 pub(crate) fn residual_norms<T: Real>(r: &[T]) -> (f64, f64, Max) {
+    norms_of_row::<T, true>(r)
+}
+
+/// The same with the sum of a lane of the row in the precision of `T`: enough to notice that a constant drifts in.
+#[inline(always)]
+pub(crate) fn running_norms<T: Real>(r: &[T]) -> (f64, f64, Max) {
+    norms_of_row::<T, false>(r)
+}
+
+#[inline(always)]
+fn norms_of_row<T: Real, const EXACT: bool>(r: &[T]) -> (f64, f64, Max) {
     let (blocks, rest) = r.as_chunks::<BLOCK>();
     let (mut squares, mut sums, mut largest) = ([0.0; BLOCK], [0.0; BLOCK], [T::ZERO; BLOCK]);
+    let mut rough = [T::ZERO; BLOCK];
     for r in blocks {
         for k in 0..BLOCK {
             squares[k] += r[k].f64() * r[k].f64();
-            sums[k] += r[k].f64();
+            if EXACT {
+                sums[k] += r[k].f64();
+            } else {
+                rough[k] += r[k];
+            }
             largest[k] = r[k].abs().max(largest[k]);
         }
     }
     let (mut square, mut sum) = (squares.iter().sum::<f64>(), sums.iter().sum::<f64>());
+    sum += rough.iter().map(|v| v.f64()).sum::<f64>();
     let mut most = largest.iter().fold(T::ZERO, |m, v| m.max(*v));
     for &v in rest {
         square += v.f64() * v.f64();

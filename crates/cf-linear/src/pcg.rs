@@ -7,15 +7,18 @@
 //! | sweep | reads | writes | passes |
 //! |---|---|---|---|
 //! | z = M r | r (twice) | z | 3 and the coarse levels |
-//! | p = z + beta p, x += alpha p | z, p, x | p, x | 5 |
+//! | p = z + beta p | z, p | p | 3, every other time |
+//! | p' = z + beta p, x += alpha p + alpha' p' | z, p, x | p, x | 5, the other times |
 //! | r -= alpha A p | p, r | r | 3 |
+//!
+//! Both steps of two directions are known before the second one is formed, so that x moves every other time.
 
 use cf_grid::{Layout, Max, Real, array, inlined};
 
 use crate::deflate::Deflation;
 use crate::level::LevelOperator;
 use crate::multigrid::Cycle;
-use crate::norms::{BLOCK, Largest, Norms, residual_norms, row_largest};
+use crate::norms::{BLOCK, Largest, Norms, row_largest, running_norms};
 
 /// Vectors of an iteration, made once.
 pub(crate) struct Vectors<T> {
@@ -53,10 +56,10 @@ pub(crate) fn iterate<T: Real, Z: Real, const D: usize>(
     let mut norms = start;
     // rho and p·A p of the last iteration.
     let mut last: Option<(f64, f64)> = None;
-    for iteration in 0..limit {
-        if done(norms) {
-            return iteration;
-        }
+    // The step along p that x has not made yet.
+    let mut owed: Option<f64> = None;
+    let mut made = 0;
+    while made < limit && !done(norms) {
         let unit = if Z::NAME == T::NAME || norms.largest == 0.0 { 1.0 } else { norms.largest };
         let products = cycle.run(&v.r, 1.0 / unit, z, deflation);
         let (mut rho, mut curvature, mut mean) = (unit * unit * products.bx, unit * unit * products.xax, 0.0);
@@ -68,11 +71,21 @@ pub(crate) fn iterate<T: Real, Z: Real, const D: usize>(
         let beta = last.map_or(0.0, |(rho_before, _)| rho / rho_before);
         curvature -= last.map_or(0.0, |(_, before)| beta * beta * before);
         if !rho.is_finite() || rho <= 0.0 || !curvature.is_finite() || curvature <= 0.0 {
-            return iteration;
+            break;
         }
         let step = rho / curvature;
-        let factors = [unit, mean, beta, step];
-        let solution = advance(&layout, deflation, z, factors, [last.is_none(), fresh && last.is_none()], &mut v.p, x);
+        let first = last.is_none();
+        owed = match owed {
+            None => {
+                turn(&layout, deflation, z, [unit, mean, beta], first, &mut v.p);
+                Some(step)
+            }
+            Some(before) => {
+                let fresh = fresh && made == 1;
+                norms.solution = advance(&layout, deflation, z, [unit, mean, beta, before, step], fresh, &mut v.p, x);
+                None
+            }
+        };
         last = Some((rho, curvature));
         let step = T::of(step);
         let (square, sum, largest) = operator.sweep(
@@ -81,9 +94,9 @@ pub(crate) fn iterate<T: Real, Z: Real, const D: usize>(
             #[inline(always)]
             move |ap, r| r - step * ap,
             #[inline(always)]
-            |_, r| residual_norms(r),
+            |_, r| running_norms(r),
         );
-        norms = Norms { two: square.sqrt(), largest: largest.0, sum, solution, weighted: None };
+        norms = Norms { two: square.sqrt(), largest: largest.0, sum, weighted: None, ..norms };
         // Rounding slowly gives the residual a constant part, which no correction can remove.
         let drifted = match deflation {
             Deflation::None => false,
@@ -94,91 +107,121 @@ pub(crate) fn iterate<T: Real, Z: Real, const D: usize>(
             deflation.project(&layout, &mut v.r);
             norms.sum = 0.0;
         }
+        made += 1;
     }
-    limit
+    if let Some(step) = owed {
+        move_along(&layout, &v.p, step, fresh && made == 1, x);
+    }
+    made
 }
 
-/// p = unit z - mean + beta p, x += step p; returns max|x|. The old p and the old x of
-/// the first iteration may hold anything.
-fn advance<T: Real, Z: Real, const D: usize>(
-    layout: &Layout<D>,
-    deflation: &Deflation,
-    z: &[Z],
-    [unit, mean, beta, step]: [f64; 4],
-    [first, fresh]: [bool; 2],
-    p: &mut [T],
-    x: &mut [T],
-) -> f64 {
-    let cells = layout.cells_region();
-    let [unit, mean, beta, step] = [unit, mean, beta, step].map(T::of);
+/// unit z - mean + beta p; the old p counts for nothing at the `first` direction.
+#[inline(always)]
+fn direction<T: Real, Z: Real>([unit, mean, beta]: [T; 3], first: bool) -> impl Fn(Z, T) -> T + Copy {
     let same = T::NAME == Z::NAME;
-    let turn = inlined(
+    inlined(
         #[inline(always)]
         move |z: Z, p: T| {
             let z = T::of(z.f64());
             let z = if same { z - mean } else { unit * z - mean };
             if first { z } else { z + beta * p }
         },
-    );
-    let go = inlined(
+    )
+}
+
+/// p = unit z - mean + beta p.
+fn turn<T: Real, Z: Real, const D: usize>(
+    layout: &Layout<D>,
+    deflation: &Deflation,
+    z: &[Z],
+    factors: [f64; 3],
+    first: bool,
+    p: &mut [T],
+) {
+    let turn = direction(factors.map(T::of), first);
+    layout.par_runs(
+        layout.cells_region(),
+        &mut *p,
         #[inline(always)]
-        move |p: T, x: T| if fresh { step * p } else { x + step * p },
+        |run, p: &mut [T]| {
+            for (p, &z) in p.iter_mut().zip(run.row(z)) {
+                *p = turn(z, *p);
+            }
+        },
     );
-    let largest = if let (false, Deflation::Components(_)) = (same, deflation) {
+    if let (false, Deflation::Components(_)) = (T::NAME == Z::NAME, deflation) {
         // What single precision left of the constants would stay in x.
-        layout.par_runs(
-            cells,
-            &mut *p,
-            #[inline(always)]
-            |run, p: &mut [T]| {
-                for (p, &z) in p.iter_mut().zip(run.row(z)) {
-                    *p = turn(z, *p);
-                }
-            },
-        );
         deflation.project(layout, p);
-        let p = &*p;
-        layout.par_runs(
-            cells,
-            x,
-            #[inline(always)]
-            |run, x: &mut [T]| {
-                for (x, &p) in x.iter_mut().zip(run.row(p)) {
-                    *x = go(p, *x);
-                }
-                Max(row_largest(x))
-            },
-        )
-    } else {
-        layout.par_runs(
-            cells,
-            (p, x),
-            #[inline(always)]
-            |run, (p, x): (&mut [T], &mut [T])| {
-                let (z, last_z) = run.row(z).as_chunks::<BLOCK>();
-                let (p, last_p) = p.as_chunks_mut::<BLOCK>();
-                let (x, last_x) = x.as_chunks_mut::<BLOCK>();
-                let mut largest = Largest::default();
-                for ((z, p), x) in z.iter().zip(p).zip(x) {
-                    let (old, at) = (*p, *x);
-                    let new: [T; BLOCK] = array(
-                        #[inline(always)]
-                        |k| turn(z[k], old[k]),
-                    );
-                    let there: [T; BLOCK] = array(
-                        #[inline(always)]
-                        |k| go(new[k], at[k]),
-                    );
-                    (*p, *x) = (new, there);
-                    largest.take(&there);
-                }
-                for ((&z, p), x) in last_z.iter().zip(last_p).zip(&mut *last_x) {
-                    *p = turn(z, *p);
-                    *x = go(*p, *x);
-                }
-                Max(largest.end(last_x))
-            },
-        )
-    };
+    }
+}
+
+/// x += before · p, p = unit z - mean + beta p, x += step · p; returns max|x|. A `fresh` x counts as zero.
+fn advance<T: Real, Z: Real, const D: usize>(
+    layout: &Layout<D>,
+    deflation: &Deflation,
+    z: &[Z],
+    [unit, mean, beta, before, step]: [f64; 5],
+    fresh: bool,
+    p: &mut [T],
+    x: &mut [T],
+) -> f64 {
+    if let (false, Deflation::Components(_)) = (T::NAME == Z::NAME, deflation) {
+        move_along(layout, p, before, fresh, x);
+        turn(layout, deflation, z, [unit, mean, beta], false, p);
+        return move_along(layout, p, step, false, x);
+    }
+    let turn = direction([unit, mean, beta].map(T::of), false);
+    let [before, step] = [before, step].map(T::of);
+    let largest: Max = layout.par_runs(
+        layout.cells_region(),
+        (p, x),
+        #[inline(always)]
+        |run, (p, x): (&mut [T], &mut [T])| {
+            let (z, last_z) = run.row(z).as_chunks::<BLOCK>();
+            let (p, last_p) = p.as_chunks_mut::<BLOCK>();
+            let (x, last_x) = x.as_chunks_mut::<BLOCK>();
+            let mut largest = Largest::default();
+            for ((z, p), x) in z.iter().zip(p).zip(x) {
+                let (old, at) = (*p, *x);
+                let new: [T; BLOCK] = array(
+                    #[inline(always)]
+                    |k| turn(z[k], old[k]),
+                );
+                let there: [T; BLOCK] = array(
+                    #[inline(always)]
+                    |k| {
+                        let steps = before * old[k] + step * new[k];
+                        if fresh { steps } else { at[k] + steps }
+                    },
+                );
+                (*p, *x) = (new, there);
+                largest.take(&there);
+            }
+            for ((&z, p), x) in last_z.iter().zip(last_p).zip(&mut *last_x) {
+                let old = *p;
+                *p = turn(z, old);
+                let steps = before * old + step * *p;
+                *x = if fresh { steps } else { *x + steps };
+            }
+            Max(largest.end(last_x))
+        },
+    );
+    largest.0
+}
+
+/// x += step · p; returns max|x|. A `fresh` x counts as zero.
+fn move_along<T: Real, const D: usize>(layout: &Layout<D>, p: &[T], step: f64, fresh: bool, x: &mut [T]) -> f64 {
+    let step = T::of(step);
+    let largest: Max = layout.par_runs(
+        layout.cells_region(),
+        x,
+        #[inline(always)]
+        |run, x: &mut [T]| {
+            for (x, &p) in x.iter_mut().zip(run.row(p)) {
+                *x = if fresh { step * p } else { *x + step * p };
+            }
+            Max(row_largest(x))
+        },
+    );
     largest.0
 }

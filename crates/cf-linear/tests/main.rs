@@ -4,6 +4,7 @@ mod bound;
 mod chebyshev;
 mod common;
 mod floor;
+mod guesses;
 mod iterations;
 mod obstacles;
 mod operator;

@@ -44,7 +44,7 @@ impl Default for Options {
 /// Solver of A x = b for one [`Helmholtz`] operator. Vectors are fields of its layout. Everything is allocated here; a
 /// solve allocates nothing that grows with the grid, but a few numbers per pocket of a mask; the first
 /// [`improve`](Self::improve) adds two vectors.
-pub struct Solver<T, const D: usize> {
+pub(crate) struct Core<T, const D: usize> {
     layout: Layout<D>,
     alpha: f64,
     scale: f64,
@@ -59,7 +59,7 @@ pub struct Solver<T, const D: usize> {
     correction: Option<[Vec<T>; 2]>,
 }
 
-impl<T: Real, const D: usize> Solver<T, D> {
+impl<T: Real, const D: usize> Core<T, D> {
     /// Builds plan, hierarchy and scratch. Fails with [`SolveError::Coefficient`] where a number is negative, not finite
     /// or too large to add up, and with [`SolveError::Length`] where a mask or shares have another layout.
     pub fn new(helmholtz: &Helmholtz<'_, D>, options: Options) -> Result<Self, SolveError> {

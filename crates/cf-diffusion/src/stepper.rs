@@ -1,6 +1,6 @@
 //! One time step: transport by the medium, diffusion, sources, in the order of the chosen splitting.
 
-use cf_grid::{Grid, Mask, Real, Sides, Wall};
+use cf_grid::{Grid, Mask, Real, Sides, Wall, once};
 use cf_linear::{Choice, Plan, Precision};
 
 use crate::advect::{Advection, Advector};
@@ -240,6 +240,18 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         dt: f64,
         observer: &mut impl Observer,
     ) -> Result<StepReport, StepError> {
+        let c = &COMPILED;
+        once::<Step<T, D>>([&c.0, &c.1, &c.2, &c.3])(self, state, medium, source, dt, observer)
+    }
+
+    fn step_here(
+        &mut self,
+        state: &mut State<T, D>,
+        medium: &Medium<T, D>,
+        source: Source<'_, T>,
+        dt: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<StepReport, StepError> {
         if !(dt.is_finite() && dt >= 0.0) {
             return Err(StepError::TimeStep(dt));
         }
@@ -277,7 +289,7 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         source: Source<'_, T>,
         dt: f64,
         report: &mut StepReport,
-        observer: &mut impl Observer,
+        observer: &mut dyn Observer,
     ) -> Result<(), StepError> {
         match (self.settings.splitting, self.settings.integrator) {
             (Splitting::Paper, _) => {
@@ -316,7 +328,7 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         medium: &Medium<T, D>,
         dt: f64,
         report: &mut StepReport,
-        observer: &mut impl Observer,
+        observer: &mut dyn Observer,
     ) -> Result<(), StepError> {
         observer.begin(Phase::Transport);
         let carried = self.transport().advect(&mut state.phi, state.slow_flux.as_mut(), medium, dt)?;
@@ -361,7 +373,7 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         source: Source<'_, T>,
         dt: f64,
         report: &mut StepReport,
-        observer: &mut impl Observer,
+        observer: &mut dyn Observer,
     ) -> Result<(), StepError> {
         observer.begin(Phase::Diffusion);
         let volume = self.grid.cell_volume();
@@ -402,6 +414,20 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         Ok(())
     }
 }
+
+/// A step of one precision and dimension.
+type Step<T, const D: usize> = fn(
+    &mut Diffusion<T, D>,
+    &mut State<T, D>,
+    &Medium<T, D>,
+    Source<'_, T>,
+    f64,
+    &mut dyn Observer,
+) -> Result<StepReport, StepError>;
+
+/// Steps are compiled here, once, and not again in every crate that makes some.
+static COMPILED: (Step<f32, 2>, Step<f64, 2>, Step<f32, 3>, Step<f64, 3>) =
+    (Diffusion::step_here, Diffusion::step_here, Diffusion::step_here, Diffusion::step_here);
 
 /// More explicit sub-steps than this in one step are refused: an implicit integrator is faster by far.
 const MOST_SUBSTEPS: f64 = 1e5;

@@ -1,7 +1,5 @@
 //! What is solved: alpha x - div(beta grad x) = b, described by numbers and, where a scene needs them, by a mask.
 
-use std::any::Any;
-
 use cf_grid::{Axis, FaceField, Layout, Mask, Real, Sides};
 
 use crate::axis::AxisTable;
@@ -46,20 +44,6 @@ impl<'m, const D: usize> Helmholtz<'m, D> {
     pub fn with_shares(mut self, shares: &'m FaceField<f64, D>) -> Self {
         self.shares = Some(shares);
         self
-    }
-
-    /// The same operator under the name of another dimension: `None` unless that is D.
-    pub(crate) fn as_dimension<const E: usize>(&self) -> Option<Helmholtz<'m, E>> {
-        let mask = self.mask.map(as_same::<_, Mask<E>>);
-        let shares = self.shares.map(as_same::<_, FaceField<f64, E>>);
-        Some(Helmholtz {
-            layout: *as_same(&self.layout)?,
-            alpha: self.alpha,
-            kappa: self.kappa,
-            walls: *as_same(&self.walls)?,
-            mask: mask.map_or(Some(None), |m| m.map(Some))?,
-            shares: shares.map_or(Some(None), |s| s.map(Some))?,
-        })
     }
 
     /// The layout of its vectors.
@@ -273,9 +257,4 @@ impl<'m, const D: usize> Helmholtz<'m, D> {
         });
         (mass, face)
     }
-}
-
-/// A value under the name that its type has elsewhere.
-fn as_same<A: Any, B: Any>(value: &A) -> Option<&B> {
-    (value as &dyn Any).downcast_ref()
 }

@@ -39,7 +39,7 @@ mod wave;
 
 use std::mem::swap;
 
-use cf_grid::{CellField, Grid, Real, Sides, Wall};
+use cf_grid::{CellField, Grid, Real, Sides, Wall, once};
 use nalgebra::SVector;
 
 pub use error::FrontError;
@@ -209,6 +209,16 @@ impl<T: Real, const D: usize> Front<T, D> {
         source: Source<'_, T>,
         dt: f64,
     ) -> Result<StepReport, FrontError> {
+        let c = &COMPILED;
+        once::<Step<T, D>>([&c.0, &c.1, &c.2, &c.3])(self, state, source, dt)
+    }
+
+    fn step_here(
+        &mut self,
+        state: &mut FrontState<T, D>,
+        source: Source<'_, T>,
+        dt: f64,
+    ) -> Result<StepReport, FrontError> {
         let substeps = self.substeps(dt)?;
         self.check_layout(state, source)?;
         if dt == 0.0 {
@@ -285,3 +295,11 @@ impl<T: Real, const D: usize> Front<T, D> {
         outflow
     }
 }
+
+/// A step of one precision and dimension.
+type Step<T, const D: usize> =
+    fn(&mut Front<T, D>, &mut FrontState<T, D>, Source<'_, T>, f64) -> Result<StepReport, FrontError>;
+
+/// Steps are compiled here, once, and not again in every crate that makes some.
+static COMPILED: (Step<f32, 2>, Step<f64, 2>, Step<f32, 3>, Step<f64, 3>) =
+    (Front::step_here, Front::step_here, Front::step_here, Front::step_here);

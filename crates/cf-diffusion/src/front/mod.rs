@@ -1,4 +1,4 @@
-//! Fronts: the characteristic MUSCL scheme for F_T = 0 (model/diffusion.md 6.4).
+//! Fronts: the characteristic MUSCL scheme for F_T = 0.
 //!
 //! Cattaneo's law in a medium of uniform velocity u is hyperbolic,
 //!
@@ -251,11 +251,16 @@ impl<T: Real, const D: usize> Front<T, D> {
     fn emit(&self, state: &mut FrontState<T, D>, source: Source<'_, T>, dt: f64) {
         let Some(rate) = source.rate else { return };
         let (layout, dt) = (self.grid.layout(), T::of(source.share * dt));
-        layout.par_runs(layout.cells_region(), &mut state.phi[..], |run, phi: &mut [T]| {
-            for (phi, &w) in phi.iter_mut().zip(run.row(rate)) {
-                *phi += dt * w;
-            }
-        });
+        layout.par_runs(
+            layout.cells_region(),
+            &mut state.phi[..],
+            #[inline(always)]
+            |run, phi: &mut [T]| {
+                for (phi, &w) in phi.iter_mut().zip(run.row(rate)) {
+                    *phi += dt * w;
+                }
+            },
+        );
     }
 
     /// Every axis once. Returns what left \[cells of phi\]; not finite where phi is not.

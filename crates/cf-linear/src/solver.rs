@@ -279,9 +279,11 @@ impl<T: Real, const D: usize> Solver<T, D> {
     }
 }
 
+type Make<T, const D: usize> = fn(&Helmholtz<'_, D>, Options) -> Result<Solver<T, D>, SolveError>;
+
 /// What is compiled here, once, and not again in every crate that solves.
 struct Compiled<T, const D: usize> {
-    make: fn(&Helmholtz<'_, D>, Options) -> Result<Solver<T, D>, SolveError>,
+    make: Make<T, D>,
     run: fn(&mut Solver<T, D>, &[T], &mut [T], Goal) -> Result<Deviation, SolveError>,
     apply: fn(&Solver<T, D>, &mut [T], &mut [T]),
     precondition: fn(&mut Solver<T, D>, &[T], &mut [T]),

@@ -50,6 +50,8 @@ pub struct Settings {
     pub splitting: Splitting,
     /// eta: each implicit solve stops at max|r| <= eta max|phi - mean|, which bounds its error: all eigenvalues of
     /// I - beta Lap are at least 1.
+    /// Mass is exact at any eta. That E' never grows is not: a step may add a share of E' of the order of eta². Measured per
+    /// step, relative to the first E': 8e-12 at 1e-5, 8e-8 at 1e-3.
     pub tolerance: f64,
     /// Precision of the V-cycles.
     pub precision: Precision,

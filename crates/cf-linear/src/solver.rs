@@ -279,12 +279,13 @@ impl<T: Real, const D: usize> Solver<T, D> {
     }
 }
 
+type Run<T, const D: usize> = fn(&mut Solver<T, D>, &[T], &mut [T], Goal) -> Result<Deviation, SolveError>;
 type Make<T, const D: usize> = fn(&Helmholtz<'_, D>, Options) -> Result<Solver<T, D>, SolveError>;
 
 /// What is compiled here, once, and not again in every crate that solves.
 struct Compiled<T, const D: usize> {
     make: Make<T, D>,
-    run: fn(&mut Solver<T, D>, &[T], &mut [T], Goal) -> Result<Deviation, SolveError>,
+    run: Run<T, D>,
     apply: fn(&Solver<T, D>, &mut [T], &mut [T]),
     precondition: fn(&mut Solver<T, D>, &[T], &mut [T]),
     finish: fn(&Solver<T, D>, &mut [T], &Deviation),

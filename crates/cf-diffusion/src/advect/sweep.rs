@@ -24,6 +24,9 @@ pub(super) enum Dilatation<'f, T> {
     Absent,
     /// + (ν_R − ν_L) φ of this axis.
     Own(Start<'f, T>),
+    /// q_t + u q_x = 0 to second order by itself: (ν_R − ν_L) q of what the sweep reads is added, and the whole change is
+    /// taken 1 + (ν_R − ν_L)/2 times. For the fluxes hold (u² q_x)_x Δt²/2, one u u_x q_x more than q_tt = u (u q_x)_x.
+    Along,
     /// − Σ (ν_R − ν_L) φ of the axes swept before: equal to `Own` where div u = 0, and what keeps the sum of all
     /// sweeps conservative where it is not.
     Undo(&'f [usize], Start<'f, T>),
@@ -223,10 +226,13 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
         let (low, high, add) = (&mut low[..n], &mut high[..n], &mut add[..n]);
         let start = match self.dilatation {
             Dilatation::Absent => None,
-            Dilatation::Own(start) => {
+            Dilatation::Own(_) | Dilatation::Along => {
                 self.stream.speeds(sites, self.axis, chunk, low, high);
                 gain(T::ONE, low, high, add);
-                Some(start)
+                match self.dilatation {
+                    Dilatation::Own(start) => Some(start),
+                    _ => Some(Start::Read),
+                }
             }
             Dilatation::Undo(axes, start) => {
                 for &axis in axes {
@@ -251,7 +257,7 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
                 *add *= value;
             }
         }
-        if !matches!(self.dilatation, Dilatation::Own(_)) {
+        if !matches!(self.dilatation, Dilatation::Own(_) | Dilatation::Along) {
             self.stream.speeds(sites, self.axis, chunk, low, high);
         }
         match (self.stream.fluid, window) {
@@ -263,6 +269,12 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
             }
             (None, _) => self.flux_form(chunk, rows, low, high, add, out),
             (Some(fluid), _) => self.chunk_with_solids(fluid, chunk, rows, low, high, add, out),
+        }
+        if matches!(self.dilatation, Dilatation::Along) {
+            let half = T::of(0.5);
+            for (((out, &own), &l), &h) in out.iter_mut().zip(rows[2]).zip(&*low).zip(&*high) {
+                *out += half * (h - l) * (*out - own);
+            }
         }
     }
 

@@ -45,7 +45,7 @@ pub(crate) fn judge<const D: usize>(on: &On<D>, setting: &Setting, run: &Run) ->
         (late.two / Norms::of(on, |i| semi[i]).two).sqrt()
     });
     let top = |values: &[f64]| layout.range(values).1;
-    let (width, ringing) = on.front.map_or((f64::NAN, f64::NAN), |front| shape(&compact(on, phi), front));
+    let (width, rise) = on.front.map_or((f64::NAN, f64::NAN), |front| shape(&compact(on, phi), front));
     let speed = law.speed().unwrap_or(0.0);
     let emitted = on.rate.as_ref().map_or(0.0, |rate| on.end * layout.sum(rate));
     Measured {
@@ -60,7 +60,7 @@ pub(crate) fn judge<const D: usize>(on: &On<D>, setting: &Setting, run: &Run) ->
         overshoot: (top(phi) - top(exact)) / on.jump.unwrap_or(top(exact)),
         drift: (layout.sum(phi) - layout.sum(start) - emitted).abs() / layout.sum_abs(phi),
         width,
-        ringing,
+        ringing: rise / on.jump.unwrap_or(f64::NAN),
         outside: outside(on, phi),
         angle: angle(on, phi),
         iterations: run.iterations,
@@ -69,7 +69,7 @@ pub(crate) fn judge<const D: usize>(on: &On<D>, setting: &Setting, run: &Run) ->
     }
 }
 
-/// Cells from 90 % to 10 % of the front on the right, and the largest rise over the front.
+/// Cells from 90 % to 10 % of the front on the right, and the largest rise.
 fn shape(line: &[f64], front: f64) -> (f64, f64) {
     let (mut lowest, mut rise) = (f64::INFINITY, 0.0f64);
     for &value in line {
@@ -82,7 +82,7 @@ fn shape(line: &[f64], front: f64) -> (f64, f64) {
         Some(i as f64 - (level - line[i]) / (line[i - 1] - line[i]))
     };
     let width = crossing(0.1 * front).zip(crossing(0.9 * front)).map_or(f64::NAN, |(foot, head)| foot - head);
-    (width, rise / front)
+    (width, rise)
 }
 
 /// The share of |φ| outside the cone by more than three standard deviations of the source.
@@ -144,6 +144,6 @@ mod tests {
         assert!((width - 8.0).abs() < 1e-12 && rise == 0.0, "{width} {rise}");
         let mut bump = ramp;
         bump[5] = 0.9;
-        assert!((shape(&bump, 0.5).1 - 0.2).abs() < 1e-12);
+        assert!((shape(&bump, 0.5).1 - 0.4).abs() < 1e-12);
     }
 }

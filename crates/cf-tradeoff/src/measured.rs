@@ -28,7 +28,7 @@ pub struct Measured {
     pub drift: f64,
     /// On a front in one dimension: cells from 90 % to 10 % of the jump.
     pub width: f64,
-    /// On a front in one dimension: the largest rise of φ, which should only fall, over the jump.
+    /// On a front in one dimension: the largest rise of φ, which should only fall, over the jump at the start.
     pub ringing: f64,
     /// In a wake: the share of |φ| outside the cone by more than three standard deviations of the source.
     pub outside: f64,

@@ -117,11 +117,14 @@ pub fn fronts(rows: &[Measured]) -> Vec<Claim> {
     ]
 }
 
-/// P3: the angle of the cone in the solution and in the front scheme.
-pub fn cones(rows: &[Measured], angles: &[(String, f64)]) -> Vec<Claim> {
+/// P3: the angle of the cone in the solution and in the front scheme, on the finest grid.
+pub fn cones(rows: &[Measured], angles: &[(String, usize, f64)]) -> Vec<Claim> {
     let mut claims = Vec::new();
-    for (problem, exact) in angles.iter().filter(|(_, angle)| !angle.is_nan()) {
-        let of = |scheme: Scheme| rows.iter().filter(move |m| &m.problem == problem && m.setting.scheme == scheme);
+    let finest = |problem: &str| angles.iter().filter(|(p, ..)| p == problem).map(|(_, n, _)| *n).max();
+    for (problem, n, exact) in angles.iter().filter(|(problem, n, a)| !a.is_nan() && finest(problem) == Some(*n)) {
+        let of = |scheme: Scheme| {
+            rows.iter().filter(move |m| &m.problem == problem && m.cells[0] == *n && m.setting.scheme == scheme)
+        };
         let front = of(Scheme::Front).map(|m| m.angle).fold(f64::NAN, f64::max);
         let paper = of(Scheme::PaperBe).map(|m| m.angle).fold(f64::NAN, f64::max);
         claims.push(Claim {

@@ -23,6 +23,7 @@ use claims::Claim;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use sweep::Sweep;
+use tables::Listed;
 use write::Found;
 
 /// Measures, writes, prints; fails where a claim does.
@@ -39,57 +40,90 @@ pub fn tradeoff(asked: &TradeoffArgs, stop: &AtomicBool) -> Result<(), Failure> 
     }
 }
 
+/// What came of one problem.
+struct Part<'a> {
+    sweep: Sweep<'a>,
+    tables: Vec<Listed>,
+    claims: Vec<Claim>,
+}
+
+impl<'a> Part<'a> {
+    fn of(problem: Canonical, quick: bool, threads: usize, stop: &'a AtomicBool) -> Result<Self, Failure> {
+        let mut sweep = Sweep::new(quick, threads, stop);
+        let (mut tables, mut claims) = (Vec::new(), Vec::new());
+        match problem {
+            Canonical::P1 => {
+                tables.push(tables::orders(threads)?);
+                sweep.p1()?;
+                claims.push(claims::cheaper(&sweep.rows));
+            }
+            Canonical::P2 => {
+                sweep.p2()?;
+                tables.push(tables::fronts(&sweep.rows));
+                claims.extend(claims::fronts(&sweep.rows));
+            }
+            Canonical::P3 => {
+                sweep.p3()?;
+                claims.extend(claims::cones(&sweep.rows, &sweep.angles));
+            }
+            Canonical::P4 | Canonical::All => {
+                sweep.p4()?;
+                tables.push(tables::transport(&sweep.rows));
+            }
+        }
+        claims.extend(tables.iter().map(claims::table));
+        if quick {
+            // Small grids show how it is done, not what holds.
+            claims.retain(|claim| claim.pass);
+        }
+        Ok(Self { sweep, tables, claims })
+    }
+}
+
 /// The problems with known solutions.
 fn canonical(asked: &TradeoffArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let wants = |problem: Canonical| asked.problem == problem || asked.problem == Canonical::All;
     let threads = pool::threads(None);
     let mut bandwidth = Bandwidth::measure(&[1, threads][usize::from(threads == 1)..])?;
-    let mut sweep = Sweep::new(asked.quick, threads, stop);
-    let (mut tables, mut claims) = (Vec::new(), Vec::new());
-    if wants(Canonical::P1) {
-        tables.push(tables::orders(threads)?);
-        sweep.p1()?;
-        claims.push(claims::cheaper(&sweep.rows));
+    let mut whole = Part { sweep: Sweep::new(asked.quick, threads, stop), tables: vec![], claims: vec![] };
+    for problem in [Canonical::P1, Canonical::P2, Canonical::P3, Canonical::P4] {
+        if asked.problem != problem && asked.problem != Canonical::All {
+            continue;
+        }
+        let part = Part::of(problem, asked.quick, threads, stop)?;
+        bandwidth.again()?;
+        if let Some(docs) = &asked.docs {
+            let found = found(&part, &bandwidth, threads);
+            let pictures = drawn(&found, &part.sweep, docs, &DRAWN)?;
+            let name = format!("{problem:?}");
+            let command = format!("cargo xtask tradeoff --problem {name} --docs docs/tradeoff");
+            let page = write::page(&found, &pictures, &name, &command);
+            cf_output::write_text(&docs.join(format!("{}.md", name.to_lowercase())), &page)?;
+        }
+        whole.sweep.rows.extend(part.sweep.rows);
+        whole.sweep.shown.extend(part.sweep.shown);
+        whole.sweep.convergence.extend(part.sweep.convergence);
+        whole.tables.extend(part.tables);
+        whole.claims.extend(part.claims);
     }
-    if wants(Canonical::P2) {
-        sweep.p2()?;
-        tables.push(tables::fronts(&sweep.rows));
-        claims.extend(claims::fronts(&sweep.rows));
-    }
-    if wants(Canonical::P3) {
-        sweep.p3()?;
-        claims.extend(claims::cones(&sweep.rows, &sweep.angles));
-    }
-    if wants(Canonical::P4) {
-        sweep.p4()?;
-        tables.push(tables::transport(&sweep.rows));
-    }
-    claims.extend(tables.iter().map(claims::table));
-    if asked.quick {
-        // Small grids show how it is done, not what holds.
-        claims.retain(|claim| claim.pass);
-    }
-    bandwidth.again()?;
-    let found = Found {
-        rows: &sweep.rows,
-        tables: &tables,
-        convergence: &sweep.convergence,
-        claims: &claims,
-        bandwidth: &bandwidth,
-        threads,
-    };
+    let found = found(&whole, &bandwidth, threads);
     say(&found);
-    files(&found, &sweep, &asked.out)?;
-    if let Some(docs) = &asked.docs {
-        let pictures = drawn(&found, &sweep, docs, &DRAWN)?;
-        let page = write::page(&found, &pictures, "cargo xtask tradeoff --docs docs/tradeoff");
-        cf_output::write_text(&docs.join("README.md"), &page)?;
-    }
+    files(&found, &whole.sweep, &asked.out)?;
     if let Some(error) = asked.target_error {
-        recommend(&sweep.rows, error);
+        recommend(&whole.sweep.rows, error);
     }
     say!("\nwritten to {}", asked.out.display());
-    judge(&claims)
+    judge(&whole.claims)
+}
+
+fn found<'a>(part: &'a Part<'_>, bandwidth: &'a Bandwidth, threads: usize) -> Found<'a> {
+    Found {
+        rows: &part.sweep.rows,
+        tables: &part.tables,
+        convergence: &part.sweep.convergence,
+        claims: &part.claims,
+        bandwidth,
+        threads,
+    }
 }
 
 /// Fails where a claim does.

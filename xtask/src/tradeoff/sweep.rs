@@ -25,8 +25,8 @@ pub struct Sweep<'a> {
     pub shown: Vec<Shown>,
     /// The deforming flow with diffusion.
     pub convergence: Vec<Convergence>,
-    /// Half angles of the cones of P3 in the solution \[degrees\], by problem.
-    pub angles: Vec<(String, f64)>,
+    /// Half angles of the cones of P3 in the solution \[degrees\], by problem and cells per axis.
+    pub angles: Vec<(String, usize, f64)>,
 }
 
 /// phi at the end, to be drawn.
@@ -116,10 +116,16 @@ impl<'a> Sweep<'a> {
             }
         }
         for (tau, share) in [(1.0, 0.0), (1.0, 0.1), (1.0, 1.0), (1e-3, 0.0), (1e3, 0.0)] {
-            let sizes: &[usize] = if self.quick { &[24] } else { &[32, 64] };
+            let sizes: &[usize] = match (self.quick, tau == 1.0) {
+                (true, _) => &[24],
+                (false, true) => &[32, 48],
+                (false, false) => &[32],
+            };
             for &n in sizes {
                 let problem = gaussian(3, n, tau, share)?;
-                let settings = self.steps(&problem, share, false);
+                let mut settings = self.steps(&problem, share, false);
+                // A step in three dimensions costs too much for so many.
+                settings.retain(|s| s.steps <= 40 || !s.scheme.is_implicit());
                 self.all(&problem, settings)?;
                 self.levels(&problem)?;
             }
@@ -159,7 +165,7 @@ impl<'a> Sweep<'a> {
             }
             self.levels(&problem)?;
         }
-        let sizes: &[usize] = if self.quick { &[128] } else { &[128, 256, 512] };
+        let sizes: &[usize] = if self.quick { &[128] } else { &[128, 256] };
         for &n in sizes {
             let problem = Problem::disc(n).map_err(numerical)?;
             let drawn = n == 256 || self.quick;
@@ -187,35 +193,41 @@ impl<'a> Sweep<'a> {
         Setting::new(scheme, steps, self.threads)
     }
 
-    /// P3.
+    /// P3: every speed and share on one grid, pure waves on a finer one too.
     pub fn p3(&mut self) -> Result<(), Failure> {
-        let n = if self.quick { 96 } else { 256 };
         for hc in [0.5, 1.0, 2.0 / 3f64.sqrt(), std::f64::consts::SQRT_2, 2.0] {
             for share in [0.0, 0.05, 0.25, 1.0] {
-                let problem = Problem::wake(n, hc, share).map_err(numerical)?;
-                self.angles.push((problem.name().to_owned(), problem.exact_angle()));
-                let speed = 1.0 / hc;
-                let at = |scheme, courant: f64| {
-                    let steps = (problem.end() * speed / (courant * problem.h())).ceil() as usize;
-                    Setting::new(scheme, steps, self.threads)
-                };
-                // Steps in which the medium moves by whole cells, and others.
-                let mut settings = vec![at(Scheme::PaperBe, 4.0), at(Scheme::PaperBe, 1.0), at(Scheme::PaperBe, 0.25)];
-                let paper = at(Scheme::PaperBe, 1.0);
-                settings.push(Setting { advection: Advection::Linear, splitting: Splitting::Paper, ..paper });
-                settings.extend([4.0, 1.0, 0.25].map(|courant| at(Scheme::Sdirk2, courant)));
-                settings.push(Setting { advection: Advection::Cubic, ..at(Scheme::Sdirk2, 1.0) });
-                if share == 0.0 {
-                    settings.extend([at(Scheme::Kdk, 0.5), at(Scheme::Kdk, 0.25)]);
-                    let whole = (problem.end() / problem.h()).round() as usize;
-                    settings.push(Setting::new(Scheme::Kdk, whole, self.threads));
-                    let steps = (problem.end() * (1.0 + speed) / (0.5 * problem.h())).ceil() as usize;
-                    settings.push(Setting::new(Scheme::Front, steps, self.threads));
-                }
-                self.all(&problem, settings)?;
+                self.wake(if self.quick { 64 } else { 128 }, hc, share, &[4.0, 1.0, 0.25])?;
+            }
+            if !self.quick {
+                self.wake(256, hc, 0.0, &[1.0])?;
             }
         }
         Ok(())
+    }
+
+    fn wake(&mut self, n: usize, hc: f64, share: f64, implicit: &[f64]) -> Result<(), Failure> {
+        let problem = Problem::wake(n, hc, share).map_err(numerical)?;
+        self.angles.push((problem.name().to_owned(), n, problem.exact_angle()));
+        let speed = 1.0 / hc;
+        let at = |scheme, courant: f64| {
+            let steps = (problem.end() * speed / (courant * problem.h())).ceil() as usize;
+            Setting::new(scheme, steps, self.threads)
+        };
+        let mut settings: Vec<Setting> = implicit.iter().map(|&courant| at(Scheme::PaperBe, courant)).collect();
+        let paper = at(Scheme::PaperBe, 1.0);
+        settings.push(Setting { advection: Advection::Linear, splitting: Splitting::Paper, ..paper });
+        settings.extend(implicit.iter().map(|&courant| at(Scheme::Sdirk2, courant)));
+        settings.push(Setting { advection: Advection::Cubic, ..at(Scheme::Sdirk2, 1.0) });
+        if share == 0.0 {
+            settings.extend([at(Scheme::Kdk, 0.5), at(Scheme::Kdk, 0.25)]);
+            // The medium moves by whole cells.
+            let whole = (problem.end() / problem.h()).round() as usize;
+            settings.push(Setting::new(Scheme::Kdk, whole, self.threads));
+            let steps = (problem.end() * (1.0 + speed) / (0.5 * problem.h())).ceil() as usize;
+            settings.push(Setting::new(Scheme::Front, steps, self.threads));
+        }
+        self.all(&problem, settings)
     }
 
     /// P4.
@@ -232,6 +244,9 @@ impl<'a> Sweep<'a> {
                 [(Linear, 0.5), (Linear, 3.0), (Cubic, 0.5), (Cubic, 3.0), (Muscl, 0.5), (Muscl, 0.9)]
             {
                 self.go_on()?;
+                if n == 256 && advection == Muscl && courant < 0.9 {
+                    continue;
+                }
                 let steps = (deformation::PERIOD * n as f64 / courant).ceil() as usize;
                 let setting = Setting { advection, ..Setting::new(Scheme::Transport, steps, 1) };
                 self.keep(deformation::round_trip(shape, n, &setting, RUNS).map_err(numerical)?);
@@ -293,7 +308,7 @@ fn around(setting: Setting) -> Vec<Setting> {
 }
 
 /// Schemes and c dt/h for fronts.
-pub const FRONTS: [(Scheme, f64); 8] = [
+pub const FRONTS: [(Scheme, f64); 9] = [
     (Scheme::PaperBe, 4.0),
     (Scheme::PaperBe, 1.0),
     (Scheme::PaperBe, 0.25),
@@ -302,6 +317,7 @@ pub const FRONTS: [(Scheme, f64); 8] = [
     (Scheme::Kdk, 0.5),
     (Scheme::Front, 0.5),
     (Scheme::Front, 0.9),
+    (Scheme::Kdk, 0.7),
 ];
 const SHOWN_LINE: [(Scheme, f64); 3] = [(Scheme::PaperBe, 4.0), (Scheme::Kdk, 0.5), (Scheme::Front, 0.5)];
 const SHOWN_DISC: [(Scheme, f64); 3] = [(Scheme::PaperBe, 1.0), (Scheme::Kdk, 0.5), (Scheme::Front, 0.5)];

@@ -30,7 +30,7 @@ pub struct Found<'a> {
 /// What `error` is measured against, by problem.
 pub const REFERENCES: [&str; 5] = [
     "P1, a Gaussian in a closed box: the continuous equations, by transforms with the eigenvalues K² (error: space and time).",
-    "P2 line, a jump: the telegraph equation's closed form with Bessel functions, at the centres of cells.",
+    "P2 line, a jump: the telegraph equation's closed form with Bessel functions, averaged over cells.",
     "P2 disc, a sharp edge: the integral over the Green's function of the plane, averaged over cells.",
     "P3, a steady Gaussian source in a uniform flow: the continuous equations, a quotient per wave.",
     "P4, a flow that deforms and returns: the start; with diffusion, three grids against each other.",
@@ -299,7 +299,7 @@ pub fn claims(claims: &[Claim]) -> Grid {
 }
 
 /// What the errors and the times are.
-const ABOUT: &str = "Median wall time of at least five runs after one to warm up (a run above 3 s warms up and counts), with \
+const ABOUT: &str = "Median wall time of at least five runs after one to warm up (a run above 1 s warms up and counts), with \
     set-up, against the error of phi in the 2-norm relative to the solution. \"in time\" is the error against the integrator that \
     is exact in time on the same grid. Overshoot is in % of the jump at the start: on the line the largest rise of phi, which \
     should only fall; in the disc and in P4 the excess over the largest exact value. Outside is the share of |phi| outside the cone \
@@ -329,10 +329,10 @@ fn bandwidth(found: &Found<'_>) -> String {
     )
 }
 
-/// The page of docs/tradeoff.
-pub fn page(found: &Found<'_>, pictures: &[String], command: &str) -> String {
-    let mut text = format!("# What accuracy costs\n\nWritten by `{command}`.\n\n{ABOUT}\n\n");
-    for reference in REFERENCES {
+/// The page of a problem in docs/tradeoff.
+pub fn page(found: &Found<'_>, pictures: &[String], problem: &str, command: &str) -> String {
+    let mut text = format!("# What accuracy costs: {problem}\n\nWritten by `{command}`.\n\n{ABOUT}\n\n");
+    for reference in REFERENCES.iter().filter(|reference| reference.starts_with(problem)) {
         text += &format!("* {reference}\n");
     }
     text += &format!("\n{}\n", bandwidth(found));

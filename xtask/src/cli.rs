@@ -45,7 +45,7 @@ pub enum Command {
     #[command(after_help = "Example: cargo xtask check scenes/fig03_cones.ron --preset paper")]
     Check(CheckArgs),
     /// Compares the solvers with exact solutions and with their own promises: order, mass, iterations, stability.
-    #[command(after_help = "Example: cargo xtask verify --extremes --count 2000 --seed 7")]
+    #[command(after_help = "Example: cargo xtask verify --extremes --cases 2000 --seed 7")]
     Verify(VerifyArgs),
     /// Runs every scene at a small size and compares its numbers with the stored ones.
     #[command(after_help = "Example: cargo xtask regress")]
@@ -118,6 +118,9 @@ pub struct CheckArgs {
     /// What to change in it.
     #[command(flatten)]
     pub options: SceneOptions,
+    /// Leave out the table of sizes and levels, for which the steps of each are measured.
+    #[arg(long)]
+    pub brief: bool,
 }
 
 /// `verify`.
@@ -126,15 +129,23 @@ pub struct VerifyArgs {
     /// Drawn parameters over the whole range a computer can hold, besides the tables.
     #[arg(long)]
     pub extremes: bool,
-    /// How many to draw.
-    #[arg(long, value_name = "N", default_value_t = 1000, requires = "extremes")]
-    pub count: usize,
+    /// How many to draw: 500 in a minute, 20000 at night.
+    #[arg(long = "cases", alias = "count", value_name = "N", default_value_t = 1000, requires = "extremes")]
+    pub cases: usize,
     /// Where the drawing starts; the same seed draws the same.
     #[arg(long, value_name = "S", default_value_t = 1, requires = "extremes")]
     pub seed: u64,
-    /// Only the tables whose name contains this.
+    /// Only the tables whose name contains this; with --extremes also corners of that name.
     #[arg(long, value_name = "NAME")]
     pub only: Option<String>,
+    /// One case of the corner --only again, by the seed that its line gives.
+    #[arg(long, value_name = "SEED", requires = "only", value_parser = seed)]
+    pub repeat: Option<u64>,
+}
+
+/// A seed as it is printed, 0x..., or in decimals.
+fn seed(text: &str) -> Result<u64, std::num::ParseIntError> {
+    text.strip_prefix("0x").map_or_else(|| text.parse(), |digits| u64::from_str_radix(digits, 16))
 }
 
 /// `regress`.

@@ -144,8 +144,13 @@ fn a_folder_that_cannot_be_is_exit_4() {
 fn questions_are_answered_with_exit_0() {
     let place = Place::new();
     let scene = scene(place.folder.path(), false);
-    let lines: [&[&str]; 5] =
-        [&["list"], &["check", "3"], &["check", &scene, "--preset", "draft"], &["--help"], &["figure", "--help"]];
+    let lines: [&[&str]; 5] = [
+        &["list"],
+        &["check", "3", "--brief"],
+        &["check", &scene, "--preset", "draft"],
+        &["--help"],
+        &["figure", "--help"],
+    ];
     for line in lines {
         assert_eq!(run(line), Exit::Fine, "{line:?}");
     }

@@ -5,3 +5,4 @@ mod goldens;
 mod layering;
 mod manifest;
 mod tidy;
+mod tradeoff;

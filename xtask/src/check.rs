@@ -1,36 +1,51 @@
-//! `check`: validates a scene and prints the plan of every run.
+//! `check`: validates a scene, prints the plan of every run, and predicts what each size and level would take.
 
-use crate::cli::CheckArgs;
+use crate::cli::{CheckArgs, SceneOptions};
 use crate::failure::Failure;
 use crate::open::{self, Opened};
-use crate::{plan, show};
-use cf_scene::Scene;
+use crate::{plan, predict, show};
+use cf_scene::{PRESETS, Scene};
 use std::path::Path;
+
+/// The levels of the table, with the flags that set them.
+const LEVELS: [(&str, &str); 3] = [
+    ("draft", "accuracy.level=Draft"),
+    ("standard", "accuracy.level=Standard"),
+    ("accurate", "accuracy.level=Accurate"),
+];
 
 /// Checks a scene file, or a figure.
 pub fn check(asked: &CheckArgs) -> Result<(), Failure> {
     let path = Path::new(&asked.scene);
     let is_file = path.is_file() || (asked.scene.ends_with(".ron") && asked.scene.contains(['/', '\\']));
-    let opened =
-        if is_file { vec![open::file(path, &asked.options)?] } else { open::figure(&asked.scene, &asked.options)? };
-    opened.iter().for_each(print);
+    let open = |options: &SceneOptions| match is_file {
+        true => Ok(vec![open::file(path, options)?]),
+        false => open::figure(&asked.scene, options),
+    };
+    for (index, opened) in open(&asked.options)?.iter().enumerate() {
+        print(opened)?;
+        if !asked.brief {
+            sizes(opened, asked, |options| Ok(open(options)?.swap_remove(index)))?;
+        }
+        say!("Sound. Run it with `cargo xtask {}`.", opened.request);
+    }
     Ok(())
 }
 
-fn print(opened: &Opened) {
+fn print(opened: &Opened) -> Result<(), Failure> {
     let experiment = &opened.experiment;
     say!("{} ({}), preset {}", experiment.about.title, opened.name, experiment.preset.as_deref().unwrap_or("none"));
     say_part!("{}", show::wrap(&experiment.about.text, "  ", 100));
     let mut seconds = 0.0;
     for scene in &experiment.runs {
-        seconds += print_run(scene);
+        seconds += print_run(scene)?;
     }
     say!("\n{} claims will be checked:", experiment.claims.len());
     for claim in &experiment.claims {
         say!("  {:<10} {:<6} {}", kind(&claim.kind), format!("{:?}", claim.source), claim.name);
     }
-    say!("\nPredicted time in all: about {} on two cores, within a factor of two or three.", show::seconds(seconds));
-    say!("Sound. Run it with `cargo xtask {}`.", opened.request);
+    say!("\nPredicted time in all: {} ({seconds:.2} s), from steps measured just now.", show::seconds(seconds));
+    Ok(())
 }
 
 fn kind(kind: &cf_scene::spec::Kind) -> &'static str {
@@ -42,16 +57,19 @@ fn kind(kind: &cf_scene::spec::Kind) -> &'static str {
 }
 
 /// Prints one run and gives its predicted seconds.
-fn print_run(scene: &Scene) -> f64 {
+fn print_run(scene: &Scene) -> Result<f64, Failure> {
     let plan = plan::plan(scene);
     let grid = &scene.grid;
     say!("\n{} ({})", scene.run, scene.label);
     let extent: Vec<String> = grid.extent.iter().map(ToString::to_string).collect();
     say!("  {:<15} {}, h = {:.6} m, box {} m", "cells", show::cells(&grid.cells), grid.spacing, extent.join(" x "));
     say!("  {:<15} {}", "numerics", plan.numerics);
-    for (name, value) in plan.lines() {
+    for (name, value) in plan.lines().into_iter().filter(|(name, _)| *name != "predicted time") {
         say!("  {name:<15} {value}");
     }
+    let seconds = predict::seconds(scene, &predict::rate(scene)?);
+    let caveat = predict::caveat(scene).map_or_else(String::new, |words| format!(" ({words})"));
+    say!("  {:<15} {}{caveat}", "predicted time", show::seconds(seconds));
     let schedule = &scene.schedule;
     say!("  {:<15} {} after the first, to t = {} s", "frames", schedule.frames, schedule.until);
     let memory = scene.memory();
@@ -60,5 +78,43 @@ fn print_run(scene: &Scene) -> f64 {
     }
     say!("  {:<15} {:>10}  in all", "memory", show::bytes(memory.total()));
     scene.warnings.iter().for_each(|warning| say!("  {:<15} {warning}", "warning"));
-    plan.seconds
+    Ok(seconds)
+}
+
+/// What every size and level would take. Sizes of the same cells are one.
+fn sizes(
+    opened: &Opened,
+    asked: &CheckArgs,
+    open: impl Fn(&SceneOptions) -> Result<Opened, Failure>,
+) -> Result<(), Failure> {
+    let mut seen: Vec<Vec<usize>> = Vec::new();
+    let mut rows = Vec::new();
+    let mut left_out = Vec::new();
+    for preset in PRESETS {
+        for (level, flag) in LEVELS {
+            let sets = asked.options.sets.iter().cloned().chain([flag.to_owned()]).collect();
+            let one = match open(&SceneOptions { preset: preset.to_owned(), sets }) {
+                Ok(one) => one.experiment,
+                // A size beyond this machine's memory, or a level that the scene's own knobs exclude.
+                Err(_) => {
+                    left_out.push(format!("{preset} {level}"));
+                    continue;
+                }
+            };
+            let cells = one.runs.first().map(|run| run.grid.cells.to_vec()).unwrap_or_default();
+            if level == LEVELS[0].0 {
+                if seen.contains(&cells) {
+                    break;
+                }
+                seen.push(cells);
+            }
+            rows.push(predict::Row::of([preset, level], &one)?.entries());
+        }
+    }
+    say!("\nSizes and levels of {}, all {} runs together", opened.name, opened.experiment.runs.len());
+    say_part!("{}", show::table(&["size", "level", "cells", "steps", "memory", "time"], &rows));
+    if !left_out.is_empty() {
+        say!("Not possible here: {}; --preset and --set accuracy.level say why.", left_out.join(", "));
+    }
+    Ok(())
 }

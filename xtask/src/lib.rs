@@ -2,7 +2,7 @@
 //! flag that asks for a stop, and gives the [`Exit`].
 //!
 //! One module per command. What they share: `failure` (what went wrong, as an exit code and a caret under the culprit),
-//! `open` (from a request to a checked experiment), `plan` (what a run will do and cost), `terminal` (progress), `perform`
+//! `open` (from a request to a checked experiment), `plan` (what a run will do), `predict` (what it costs here), `terminal` (progress), `perform`
 //! (the one door to the run loop).
 
 #[macro_use]
@@ -21,6 +21,7 @@ mod open;
 mod perform;
 mod plan;
 mod pool;
+mod predict;
 mod regress;
 mod show;
 mod terminal;

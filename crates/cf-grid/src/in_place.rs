@@ -4,7 +4,7 @@
 //! of planes with a plane between them that is done afterwards, which needs no copies and no `unsafe`.
 
 use crate::simd::{array, inlined, vectorised};
-use crate::{Layout, Reduce, Region, Run};
+use crate::{Layout, Reduce, Region, Run, join};
 
 /// Rows around the row being changed, each as long as a padded row (`cells[0] + 2`): the rim cells are at its ends.
 #[derive(Debug, Clone, Copy)]
@@ -72,7 +72,7 @@ impl<const D: usize> Layout<D> {
         region_a.high[outer] = middle;
         region_b.low[outer] = middle + 1;
         let shared: &[T] = between;
-        let (a, b) = rayon::join(
+        let (a, b) = join(
             || self.halve_in_place(region_a, first, below, shared, body),
             || self.halve_in_place(region_b, second, shared, above, body),
         );

@@ -1,7 +1,7 @@
 //! The two loop primitives. The outermost axis is halved until a piece is small; sizes alone decide where.
 
 use crate::simd::vectorised;
-use crate::{At, Layout, Reduce, Region, Run, Slabs};
+use crate::{At, Layout, Reduce, Region, Run, Slabs, join};
 
 /// Pieces of at most this many slots run serially: about a third of a core's L2 in f64.
 const GRAIN: usize = 1 << 14;
@@ -62,7 +62,7 @@ impl<const D: usize> Layout<D> {
         let (mut first, mut second) = (region, region);
         first.high[outer] = middle;
         second.low[outer] = middle;
-        let (a, b) = rayon::join(|| self.halve(first, out_low, base, body), || self.halve(second, out_high, cut, body));
+        let (a, b) = join(|| self.halve(first, out_low, base, body), || self.halve(second, out_high, cut, body));
         a.merge(b)
     }
 

@@ -1,6 +1,6 @@
 //! The door: a solver for one operator, with its plan, its hierarchy and its scratch.
 
-use cf_grid::{Layout, Real};
+use cf_grid::{Layout, Real, once};
 
 use crate::deflate::Deflation;
 use crate::engine::Engine;
@@ -63,6 +63,10 @@ impl<T: Real, const D: usize> Solver<T, D> {
     /// or too large to add up, with [`SolveError::Spread`] where alpha and kappa vanish beside a wall or a share (by more than
     /// eps² of `T`), and with [`SolveError::Length`] where a mask or shares have another layout.
     pub fn new(helmholtz: &Helmholtz<'_, D>, options: Options) -> Result<Self, SolveError> {
+        (compiled().make)(helmholtz, options)
+    }
+
+    fn make(helmholtz: &Helmholtz<'_, D>, options: Options) -> Result<Self, SolveError> {
         helmholtz.check()?;
         let wall = helmholtz.walls().walls().map(|(_, _, w)| w).fold(0.0, f64::max);
         let share = helmholtz.largest_share();
@@ -111,6 +115,10 @@ impl<T: Real, const D: usize> Solver<T, D> {
 
     /// y = A x in the units of the caller; the rim of `x` is overwritten along periodic axes. For checks and reports.
     pub fn apply(&self, x: &mut [T], y: &mut [T]) {
+        (compiled().apply)(self, x, y);
+    }
+
+    fn apply_here(&self, x: &mut [T], y: &mut [T]) {
         self.engine.operator().apply(x, y);
         let scale = self.scale;
         self.layout.par_runs(
@@ -125,6 +133,10 @@ impl<T: Real, const D: usize> Solver<T, D> {
 
     /// z = M r, the preconditioner as an operator, for tests of its symmetry; the identity for plans without one.
     pub fn precondition(&mut self, r: &[T], z: &mut [T]) {
+        (compiled().precondition)(self, r, z);
+    }
+
+    fn precondition_here(&mut self, r: &[T], z: &mut [T]) {
         match &mut self.engine {
             Engine::Plain(_) => z.copy_from_slice(r),
             Engine::Same { multigrid, .. } => {
@@ -158,11 +170,15 @@ impl<T: Real, const D: usize> Solver<T, D> {
             Stop::Relative(tolerance) => Goal::Relative(tolerance),
             Stop::Largest(tolerance) => Goal::Largest(tolerance),
         };
-        self.run(b, y, goal)
+        (compiled().run)(self, b, y, goal)
     }
 
     /// x = constants + factor · y, in place, with the rim wrapped along periodic axes.
     pub fn finish(&self, y: &mut [T], deviation: &Deviation) {
+        (compiled().finish)(self, y, deviation);
+    }
+
+    fn finish_here(&self, y: &mut [T], deviation: &Deviation) {
         self.deflation.scale_and_shift(&self.layout, y, deviation.factor, &deviation.constants);
         self.engine.operator().wrap(y);
     }
@@ -179,6 +195,10 @@ impl<T: Real, const D: usize> Solver<T, D> {
 
     /// x += constants, per component.
     pub fn add_constants(&self, x: &mut [T], deviation: &Deviation) {
+        (compiled().add_constants)(self, x, deviation);
+    }
+
+    fn add_constants_here(&self, x: &mut [T], deviation: &Deviation) {
         if deviation.constants.iter().any(|&c| c != 0.0) {
             self.deflation.shift(&self.layout, x, &deviation.constants);
         }
@@ -257,6 +277,38 @@ impl<T: Real, const D: usize> Solver<T, D> {
         };
         Ok(Deviation { factor: unit / self.scale, constants, removed, statistics, size: reached.solution })
     }
+}
+
+type Run<T, const D: usize> = fn(&mut Solver<T, D>, &[T], &mut [T], Goal) -> Result<Deviation, SolveError>;
+type Make<T, const D: usize> = fn(&Helmholtz<'_, D>, Options) -> Result<Solver<T, D>, SolveError>;
+
+/// What is compiled here, once, and not again in every crate that solves.
+struct Compiled<T, const D: usize> {
+    make: Make<T, D>,
+    run: Run<T, D>,
+    apply: fn(&Solver<T, D>, &mut [T], &mut [T]),
+    precondition: fn(&mut Solver<T, D>, &[T], &mut [T]),
+    finish: fn(&Solver<T, D>, &mut [T], &Deviation),
+    add_constants: fn(&Solver<T, D>, &mut [T], &Deviation),
+}
+
+impl<T: Real, const D: usize> Compiled<T, D> {
+    const HERE: Self = Self {
+        make: Solver::make,
+        run: Solver::run,
+        apply: Solver::apply_here,
+        precondition: Solver::precondition_here,
+        finish: Solver::finish_here,
+        add_constants: Solver::add_constants_here,
+    };
+}
+
+static COMPILED: (Compiled<f32, 2>, Compiled<f64, 2>, Compiled<f32, 3>, Compiled<f64, 3>) =
+    (Compiled::HERE, Compiled::HERE, Compiled::HERE, Compiled::HERE);
+
+fn compiled<T: Real, const D: usize>() -> &'static Compiled<T, D> {
+    let c = &COMPILED;
+    once([&c.0, &c.1, &c.2, &c.3])
 }
 
 const NOT_FINITE_RHS: SolveError = SolveError::NotFinite { what: "right-hand side", iterations: 0 };

@@ -65,6 +65,9 @@ pub(crate) fn account(
         ranges: model.ranges(),
         regime: regime(scene),
         residual: ledger.residual,
+        error: ledger.samples.summary(scene, pace, ledger.step),
+        rejections: ledger.controller.map_or(0, |controller| controller.rejected),
+        target: None,
         warnings: warnings(scene, pace, ledger, ledger.drift(totals)),
         files: ledger.files.clone(),
     }

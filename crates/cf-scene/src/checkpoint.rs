@@ -15,7 +15,7 @@ use std::io::{self, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 
 const MAGIC: &[u8; 8] = b"CFCHKPT\0";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// A longer header is damage.
 const LONGEST_HEADER: u64 = 1 << 28;
 /// Numbers per buffer.

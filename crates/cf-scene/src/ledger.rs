@@ -1,7 +1,8 @@
 //! What a run has counted so far: the numbers behind its summary and its table, kept in checkpoints.
 
 use crate::model::Totals;
-use cf_diffusion::StepReport;
+use crate::sample::Samples;
+use cf_diffusion::{Controller, StepReport};
 use cf_output::{Cell, OutputError, Table};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -29,6 +30,10 @@ pub(crate) struct Ledger {
     pub transport_substeps: usize,
     /// Smallest and largest step \[s\].
     pub dt: Option<(f64, f64)>,
+    /// The controller of adaptive steps.
+    pub controller: Option<Controller>,
+    /// What samples of steps told of their errors.
+    pub samples: Samples,
     /// Wall seconds by phase, and in all.
     pub phases: BTreeMap<String, f64>,
     pub seconds: f64,

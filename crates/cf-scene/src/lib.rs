@@ -37,6 +37,7 @@
 //! input panics.
 
 mod account;
+mod backup;
 mod build;
 pub mod catalog;
 mod check;
@@ -54,6 +55,7 @@ pub mod progress;
 pub mod report;
 mod run;
 mod run_error;
+mod sample;
 mod scene;
 mod solid;
 pub mod spec;
@@ -61,6 +63,7 @@ mod spool;
 mod stopwatch;
 mod suggest;
 pub mod summary;
+mod target;
 mod text;
 mod view;
 

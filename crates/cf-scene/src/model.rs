@@ -32,6 +32,12 @@ pub(crate) trait Model {
     fn state(&self) -> Vec<(&'static str, Values<'_>)>;
     /// The same, to be filled.
     fn state_mut(&mut self) -> Vec<(&'static str, ValuesMut<'_>)>;
+    /// Whether steps estimate their own error from now on, where the integrator can.
+    fn estimate(&mut self, on: bool);
+    /// The norm that such estimates are to be compared with; 0 where there are none.
+    fn norm(&self) -> f64;
+    /// Sums over the cells of (phi - other)² and of phi², of another `phi` as [`state`](Self::state) has it first.
+    fn distance(&self, other: Values<'_>) -> [f64; 2];
     /// What the next step depends on besides the state.
     fn reversed(&self) -> bool;
     /// Sets it.
@@ -79,6 +85,8 @@ pub(crate) enum ValuesMut<'a> {
 pub(crate) trait Number: cf_grid::Real + Scalar {
     fn values(values: &[Self]) -> Values<'_>;
     fn values_mut(values: &mut [Self]) -> ValuesMut<'_>;
+    /// Numbers of this precision; `None` for the other.
+    fn of_values(values: Values<'_>) -> Option<&[Self]>;
 }
 
 impl Number for f32 {
@@ -88,6 +96,9 @@ impl Number for f32 {
     fn values_mut(values: &mut [f32]) -> ValuesMut<'_> {
         ValuesMut::F32(values)
     }
+    fn of_values(values: Values<'_>) -> Option<&[f32]> {
+        if let Values::F32(values) = values { Some(values) } else { None }
+    }
 }
 
 impl Number for f64 {
@@ -96,5 +107,8 @@ impl Number for f64 {
     }
     fn values_mut(values: &mut [f64]) -> ValuesMut<'_> {
         ValuesMut::F64(values)
+    }
+    fn of_values(values: Values<'_>) -> Option<&[f64]> {
+        if let Values::F64(values) = values { Some(values) } else { None }
     }
 }

@@ -41,6 +41,9 @@ impl Pace {
                 integrator_reason: "every Fourier mode has a closed form".into(),
             };
         };
+        if let TimeStep::Adaptive(tolerance) = scene.numerics.step {
+            return adaptive(scene, tolerance);
+        }
         if let Some(integrator) = scene.numerics.integrator {
             let (dt, dt_reason) = step(scene, model, integrator);
             let given = match scene.numerics.level {
@@ -66,7 +69,7 @@ impl Pace {
         Pace { dt, dt_reason, integrator: Some(Integrator::Sdirk2), integrator_reason: why }
     }
 
-    /// The steps to the end of a scene, infinite where they would never get there.
+    /// The steps to the end of a scene, infinite where they would never get there; of adaptive steps the least number.
     pub fn steps(&self, scene: &Scene) -> f64 {
         self.steps_of(&scene.schedule, &self.legs(scene, None))
     }
@@ -88,6 +91,24 @@ impl Pace {
     }
 }
 
+/// Steps that a controller chooses: at most from frame to frame, and in a moving medium, whose splitting from the diffusion
+/// the estimate does not see, a cell in each half step of transport.
+fn adaptive(scene: &Scene, tolerance: f64) -> Pace {
+    let (u, interval) = (scene.medium_speed(), scene.schedule.interval);
+    let carried = if u > 0.0 { 2.0 * scene.grid.spacing / u } else { f64::INFINITY };
+    let (dt, most) = if carried < interval {
+        (carried, "2 h/|u|, a cell in each half step of transport")
+    } else {
+        (interval, "the time between frames")
+    };
+    Pace {
+        dt,
+        dt_reason: format!("adaptive: the relative error of a step is at most {tolerance:e}; at most {most}"),
+        integrator: Some(Integrator::Sdirk2),
+        integrator_reason: "its two stages tell the error by which steps are chosen".into(),
+    }
+}
+
 /// The longest stable explicit step \[s\].
 fn explicit_limit(scene: &Scene, model: &Diffusion) -> f64 {
     let (h, d) = (scene.grid.spacing, scene.grid.dimension() as f64);
@@ -98,7 +119,7 @@ fn explicit_limit(scene: &Scene, model: &Diffusion) -> f64 {
 fn step(scene: &Scene, model: &Diffusion, integrator: Integrator) -> (f64, String) {
     let (cfl, may_shift) = match scene.numerics.step {
         TimeStep::Fixed(dt) => return (dt, "fixed by the scene".into()),
-        TimeStep::Cfl(cfl) | TimeStep::Bounded(cfl) => (cfl, false),
+        TimeStep::Cfl(cfl) | TimeStep::Bounded(cfl) | TimeStep::Adaptive(cfl) => (cfl, false),
         TimeStep::Shift(cfl) => (cfl, integrator != Integrator::Characteristic),
     };
     let (h, until) = (scene.grid.spacing, scene.schedule.until);

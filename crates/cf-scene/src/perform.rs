@@ -8,8 +8,9 @@ use crate::progress::Watch;
 use crate::run::{Outcome, Runner};
 use crate::run_error::RunError;
 use crate::scene::Scene;
-use crate::spec::Pictures;
+use crate::spec::{Level, Pictures};
 use crate::summary::Summary;
+use crate::target;
 use cf_output::{OutputError, write_text};
 use std::io;
 use std::path::PathBuf;
@@ -30,6 +31,8 @@ pub struct Options {
     pub resume: bool,
     /// Write files; without, nothing touches the file system.
     pub write: bool,
+    /// Sample the error of a few steps for the summary, at two steps more a sample.
+    pub estimate: bool,
 }
 
 impl Options {
@@ -42,6 +45,7 @@ impl Options {
             threads: rayon::current_num_threads(),
             resume: false,
             write: true,
+            estimate: true,
         }
     }
 }
@@ -53,21 +57,24 @@ impl Options {
 /// [`RunError`]; files written so far stay, and so do the checkpoints of finished and of stopped runs.
 pub fn perform(experiment: &Experiment, options: &Options, watch: &mut dyn Watch) -> Result<Summary, RunError> {
     let begun = Instant::now();
-    let mut outcomes: Vec<(&Scene, Outcome)> = Vec::new();
+    let mut outcomes: Vec<(Scene, Outcome)> = Vec::new();
     let runs = experiment.runs.len();
     for (index, scene) in experiment.runs.iter().enumerate() {
         let needs = measure::needs(&scene.run, &experiment.claims);
-        let outcome = Runner { scene, index, runs, needs, options }.run(watch)?;
-        outcomes.push((scene, outcome));
+        let runner = Runner { scene, index, runs, needs, options };
+        outcomes.push(match scene.numerics.level {
+            Level::Target(error) => target::run(&runner, error, watch)?,
+            _ => (scene.clone(), runner.run(watch)?),
+        });
     }
     let evidence =
-        outcomes.iter().map(|(scene, outcome)| (*scene, &outcome.summary, &outcome.evidence)).collect::<Vec<_>>();
+        outcomes.iter().map(|(scene, outcome)| (scene, &outcome.summary, &outcome.evidence)).collect::<Vec<_>>();
     let claims = experiment.claims.iter().map(|claim| measure::check(claim, &evidence)).collect();
     let (mut summaries, mut lasts) = (Vec::new(), Vec::new());
-    for (scene, outcome) in outcomes {
-        let time = outcome.summary.time;
-        summaries.push(outcome.summary);
-        lasts.push(Last { scene, time, values: outcome.last });
+    for (scene, outcome) in &mut outcomes {
+        let (summary, values) = (std::mem::take(&mut outcome.summary), std::mem::take(&mut outcome.last));
+        lasts.push(Last { scene, time: summary.time, values });
+        summaries.push(summary);
     }
     let mut summary = Summary {
         scene: options.name.clone(),

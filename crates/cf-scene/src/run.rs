@@ -1,5 +1,6 @@
 //! The run loop: from a scene's start to its end, frame by frame, watched.
 
+use crate::backup::Backup;
 use crate::build::build;
 use crate::checkpoint;
 use crate::frames::{self, Frames};
@@ -9,16 +10,20 @@ use crate::pace::{Leg, MOST_STEPS, Pace};
 use crate::perform::Options;
 use crate::progress::{Progress, Watch, Wish};
 use crate::run_error::RunError;
-use crate::scene::Scene;
+use crate::sample;
+use crate::scene::{Scene, TimeStep};
 use crate::stopwatch::Stopwatch;
 use crate::summary::RunSummary;
 use crate::view::View;
+use cf_diffusion::{Controller, StepError};
 use cf_output::OutputError;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Steps between looks for numbers that are none.
 const LOOK: u64 = 8;
+/// The first step of an adaptive run, as a part of the longest.
+const FIRST: f64 = 1.0 / 64.0;
 /// Between checkpoints, which are written at frames.
 const CHECKPOINT: Duration = Duration::from_secs(60);
 
@@ -85,7 +90,15 @@ impl Runner<'_> {
             frames: None,
             begun,
             saved: begun,
+            steps: pace.steps_of(&scene.schedule, &legs),
+            before_step: Backup::default(),
         };
+        if let (TimeStep::Adaptive(tolerance), None) = (scene.numerics.step, running.ledger.controller) {
+            let controller = Controller::new(tolerance, FIRST * pace.dt).map(|made| made.with_longest(pace.dt));
+            // A run of no length has no step to choose.
+            running.ledger.controller = controller.ok();
+        }
+        running.model.estimate(running.ledger.controller.is_some());
         if self.options.write {
             let frames = Frames::begin(scene, &self.options.out, &running.ledger).map_err(|e| self.output(e))?;
             running.frames = Some(frames);
@@ -124,6 +137,10 @@ struct Running<'a> {
     before: f64,
     begun: Instant,
     saved: Instant,
+    /// Steps in all, where they are fixed.
+    steps: f64,
+    /// Where an adaptive step goes back to.
+    before_step: Backup,
 }
 
 impl Running<'_> {
@@ -133,6 +150,9 @@ impl Running<'_> {
             self.frame(0)?;
         }
         let mut before = 0u64;
+        if self.ledger.controller.is_some() {
+            return self.through_adaptively(legs, most, watch);
+        }
         for leg in legs {
             let first = self.ledger.step.saturating_sub(before);
             before = before.saturating_add(leg.steps);
@@ -150,16 +170,71 @@ impl Running<'_> {
         self.frame_if_new()
     }
 
+    /// The legs in steps that a controller chooses; the ends of legs are met exactly.
+    fn through_adaptively(&mut self, legs: &[Leg], most: u64, watch: &mut dyn Watch) -> Result<(), RunError> {
+        for leg in legs {
+            while self.ledger.time < leg.end {
+                if self.ledger.step >= most {
+                    return self.frame_if_new();
+                }
+                self.adapt(leg)?;
+                if self.ledger.time == leg.end {
+                    self.arrive(leg)?;
+                }
+                self.report(leg, watch)?;
+            }
+        }
+        self.frame_if_new()
+    }
+
+    /// One step that stands, after as many as do not.
+    fn adapt(&mut self, leg: &Leg) -> Result<(), RunError> {
+        let (run, from) = (|| self.runner.scene.run.clone(), self.ledger.time);
+        let wrong = |step, source| RunError::Step { run: run(), step, time: from, source };
+        let Some(mut controller) = self.ledger.controller else { return Ok(()) };
+        loop {
+            let dt = controller.propose(leg.end - from);
+            self.before_step.keep(&*self.model);
+            let next = self.ledger.step + 1;
+            let made = self.model.advance(from, dt, &mut self.stopwatch);
+            let report = made.map_err(|source| wrong(next, source))?;
+            let norm = self.model.norm();
+            let stands = controller.judge(dt, report.error.unwrap_or(f64::NAN), norm);
+            let stands = stands.map_err(|why: StepError| wrong(next, why.into()))?;
+            self.ledger.controller = Some(controller);
+            if stands {
+                self.ledger.count(&report, dt);
+                self.ledger.samples.embedded(report.error, norm);
+                self.ledger.time = if dt == leg.end - from { leg.end } else { from + dt };
+                return self.look(self.ledger.time == leg.end);
+            }
+            self.before_step.restore(&mut *self.model);
+            // What it cost was spent all the same.
+            self.ledger.solves += report.solves;
+            self.ledger.iterations += report.iterations;
+        }
+    }
+
     fn step(&mut self, leg: &Leg, step: u64) -> Result<(), RunError> {
         let (from, dt) = (leg.time(step), leg.dt());
         let run = || self.runner.scene.run.clone();
-        let made = self.model.advance(from, dt, &mut self.stopwatch);
+        let (model, watch) = (&mut *self.model, &mut self.stopwatch);
+        let made = if self.runner.options.estimate && sample::is_due(self.ledger.step, self.steps) {
+            self.ledger.samples.step(model, from, dt, watch)
+        } else {
+            model.advance(from, dt, watch)
+        };
         let report =
             made.map_err(|source| RunError::Step { run: run(), step: self.ledger.step + 1, time: from, source })?;
         self.ledger.count(&report, dt);
         self.ledger.time = leg.time(step + 1);
-        let look = self.ledger.step.is_multiple_of(LOOK) || step + 1 == leg.steps;
-        if look
+        self.look(step + 1 == leg.steps)
+    }
+
+    /// Looks for numbers that are none, now and then.
+    fn look(&mut self, now: bool) -> Result<(), RunError> {
+        let run = || self.runner.scene.run.clone();
+        if (now || self.ledger.step.is_multiple_of(LOOK))
             && !self.model.totals().magnitude.is_finite()
             && let Some((field, cell)) = self.model.not_finite()
         {
@@ -239,7 +314,9 @@ impl Running<'_> {
         self.ledger.seconds = self.before + self.begun.elapsed().as_secs_f64();
         let Running { model, ledger, stopwatch, .. } = self;
         let summary = crate::account::account(runner, pace, &*model, &ledger, &stopwatch);
-        watch.note(&format!("run `{}`: {} steps in {:.1} s", summary.name, summary.steps, summary.seconds.total));
+        let RunSummary { name, steps, seconds, error, rejections, .. } = &summary;
+        let again = if *rejections > 0 { format!(" and {rejections} made again") } else { String::new() };
+        watch.note(&format!("run `{name}`: {steps} steps{again} in {:.1} s; {}", seconds.total, error.words()));
         let last = frames::last(View::of(runner.scene).as_ref(), &*model);
         let Needs { phi, flux, .. } = runner.needs;
         let evidence = Evidence {

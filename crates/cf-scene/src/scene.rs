@@ -165,6 +165,8 @@ pub enum TimeStep {
     Cfl(f64),
     /// As `Cfl`, but at most 1/64 of the run: what a level chooses.
     Bounded(f64),
+    /// As long as this relative error of a step allows; only for Sdirk2.
+    Adaptive(f64),
     /// The step in which transport is a shift by whole cells, exact, where there is such a step; otherwise as `Bounded`.
     Shift(f64),
 }

@@ -86,10 +86,75 @@ pub struct RunSummary {
     pub regime: RegimeSummary,
     /// Largest residual of any solve \[P\], a bound of what one solve adds to the error.
     pub residual: f64,
+    /// What is known of the error.
+    pub error: ErrorSummary,
+    /// Steps made again because their error was above the tolerance; only adaptive steps are.
+    pub rejections: u64,
+    /// What `accuracy: Target(..)` came to.
+    pub target: Option<TargetSummary>,
     /// What a user should know.
     pub warnings: Vec<String>,
     /// Files written, relative to the output folder.
     pub files: Vec<String>,
+}
+
+/// Errors in time, estimated as the run went. All are relative.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct ErrorSummary {
+    /// The largest estimate e = 1/2 ||K2 - K1|| of a step from its own two stages, relative to the largest norm sqrt(2E') so
+    /// far; of sampled steps, of all where steps are adaptive. Only Sdirk2 has it. It is an upper bound of the error in time
+    /// at the end where the medium is still.
+    pub embedded: Option<f64>,
+    /// The mean error of a step of phi, transport included, by making sampled steps in one and in two; in the mean square.
+    pub per_step: Option<f64>,
+    /// That times the number of steps: the error in time at the end, if no error decayed or cancelled another.
+    pub whole_run: Option<f64>,
+    /// Steps that were sampled.
+    pub samples: u64,
+    /// How it was estimated, or why it was not.
+    pub how: String,
+}
+
+impl ErrorSummary {
+    /// The estimate in a few words.
+    pub fn words(&self) -> String {
+        match (self.embedded, self.whole_run) {
+            (Some(stages), Some(whole)) => {
+                format!("error in time about {whole:.1e}, at most {stages:.1e} a step from its stages")
+            }
+            (Some(stages), None) => format!("error in time at most {stages:.1e} a step, from its stages"),
+            (None, Some(whole)) => format!("error in time about {whole:.1e}"),
+            (None, None) => format!("no estimate of the error: {}", self.how),
+        }
+    }
+}
+
+/// The way to a target.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct TargetSummary {
+    /// The relative error asked for.
+    pub wanted: f64,
+    /// The estimate of that of the run.
+    pub achieved: f64,
+    /// Whether it is small enough.
+    pub reached: bool,
+    /// The observed order, at most 2.
+    pub order: f64,
+    /// The grids in the order in which they were run, coarsest first, the run's own last.
+    pub rungs: Vec<RungSummary>,
+    /// The outcome in words.
+    pub words: String,
+}
+
+/// A run on the way to a target.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct RungSummary {
+    /// Cells per axis.
+    pub cells: Vec<usize>,
+    /// Steps made.
+    pub steps: u64,
+    /// Relative difference of phi at the end to the grid before, in the mean square.
+    pub difference: Option<f64>,
 }
 
 /// Iterations per solve.

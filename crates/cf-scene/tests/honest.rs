@@ -106,8 +106,8 @@ fn obstacles_leave_something_to_simulate() {
 
 #[test]
 fn numerics_refuse_at_a_place() {
-    let words =
-        refusal(TEXT, &["accuracy.precision=f32", "one:accuracy.integrator=Characteristic", "model.law.k=1e-90"]);
+    let slow = ["model.law.k=1e-90", "model.law.tau=1e95"];
+    let words = refusal(TEXT, &["accuracy.precision=f32", "one:accuracy.integrator=Characteristic", slow[0], slow[1]]);
     assert!(
         words.starts_with("--set one:accuracy.integrator=Characteristic: accuracy.integrator: the speed c"),
         "{words}"

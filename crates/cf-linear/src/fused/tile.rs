@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use cf_grid::{Real, vectorised};
+use cf_grid::{Real, join, vectorised};
 
 /// Bytes of a core's L2 cache that the rings of a strip may fill.
 const CACHE: usize = 512 << 10;
@@ -82,7 +82,7 @@ fn halve<T: Send, P: Send, S: Send>(
     let (sums_low, sums_high) = sums.split_at_mut(cut);
     let (scratch_low, scratch_high) = scratch.split_at_mut(left);
     let middle = planes.start + cut;
-    rayon::join(
+    join(
         || halve(planes.start..middle, left, plane, out_low, sums_low, scratch_low, body),
         || halve(middle..planes.end, parts - left, plane, out_high, sums_high, scratch_high, body),
     );

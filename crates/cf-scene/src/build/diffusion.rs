@@ -236,6 +236,26 @@ impl<T: Number, const D: usize> Model for DiffusionModel<T, D> {
         self.stepper.unknowns_mut()
     }
 
+    fn estimate(&mut self, on: bool) {
+        self.stepper.estimate(on);
+    }
+
+    fn norm(&self) -> f64 {
+        self.stepper.norm()
+    }
+
+    fn distance(&self, other: Values<'_>) -> [f64; 2] {
+        let (layout, phi) = (self.grid.layout(), self.stepper.phi());
+        let Some(other) = T::of_values(other).filter(|other| other.len() == phi.len()) else { return [f64::NAN; 2] };
+        let (difference, size) = layout.par_runs(layout.cells_region(), (), |run, ()| {
+            run.row(phi).iter().zip(run.row(other)).fold((0.0, 0.0), |(difference, size), (a, b)| {
+                let (a, b) = (a.f64(), b.f64());
+                (difference + (a - b) * (a - b), size + a * a)
+            })
+        });
+        [difference, size]
+    }
+
     fn reversed(&self) -> bool {
         self.stepper.reversed()
     }

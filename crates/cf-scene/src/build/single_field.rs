@@ -109,6 +109,16 @@ impl Model for SingleFieldModel {
         vec![("phi", ValuesMut::F64(&mut self.phi))]
     }
 
+    fn estimate(&mut self, _: bool) {}
+
+    fn norm(&self) -> f64 {
+        0.0
+    }
+
+    fn distance(&self, _: Values<'_>) -> [f64; 2] {
+        [0.0; 2]
+    }
+
     fn reversed(&self) -> bool {
         false
     }

@@ -199,6 +199,22 @@ impl<T: Number, const D: usize> Stepper<T, D> {
         std::iter::once(("phi", T::values_mut(phi))).chain(flux).collect()
     }
 
+    /// Whether steps estimate their own error from now on; only Sdirk2 can.
+    pub fn estimate(&mut self, on: bool) {
+        if let Stepper::Split(split) = self {
+            // The others say that they cannot, and do not.
+            let _ = split.diffusion.estimate_errors(on);
+        }
+    }
+
+    /// The norm of the state that those estimates are to be compared with.
+    pub fn norm(&self) -> f64 {
+        match self {
+            Stepper::Split(split) => split.diffusion.norm(&split.state),
+            Stepper::Front(_) => 0.0,
+        }
+    }
+
     /// The order of the next sweep, which is part of the state.
     pub fn reversed(&self) -> bool {
         match self {

@@ -29,6 +29,7 @@ pub(super) fn uses(check: &Checker<'_>, spec: &AccuracySpec, scene: &Scene, pace
         ("splitting", spec.splitting.is_some()),
         ("dt", spec.dt.is_some()),
         ("cfl", spec.cfl.is_some()),
+        ("step", spec.step.is_some()),
         ("tolerance", spec.tolerance.is_some()),
         ("precision", spec.precision.is_some()),
         ("solver", spec.solver.is_some()),

@@ -1,6 +1,6 @@
 //! `model.law`: from any two of k, tau and a speed to (k, tau, F_T).
 //!
-//! With c² = (1 − F_T)·k/tau (`model/diffusion.md`, section 1): k = c²·tau/(1 − F_T) and tau = (1 − F_T)·k/c². The speed c
+//! With c² = (1 − F_T)·k/tau: k = c²·tau/(1 − F_T) and tau = (1 − F_T)·k/c². The speed c
 //! may come as H_c = |u|/c or as the half angle of the wake, sin(angle) = 1/H_c.
 
 use super::{Checker, out_of_range};

@@ -3,7 +3,7 @@
 use super::Checker;
 use crate::error::Detail;
 use crate::pace::Pace;
-use crate::scene::{Model, Scene};
+use crate::scene::{Model, Scene, TimeStep};
 use crate::spec::{Flow, Integrator, Medium, Precision};
 
 /// What a run may use.
@@ -81,6 +81,11 @@ impl Scene {
                 add("first stage", 1.0 + flux, word);
                 add("solver vectors and levels", 5.5, word);
             }
+        }
+        if matches!(self.numerics.step, TimeStep::Adaptive(_)) {
+            add("state to go back to, difference of the stages", 2.0 * (1.0 + flux), word);
+        } else {
+            add("samples of the error", 2.0 + flux, word);
         }
         add(
             "preconditioner in single precision",

@@ -45,7 +45,7 @@ pub(crate) fn scene(
     let model = model::model(&mut check, &spec.model, &grid);
     check.stop()?;
     let sides = sides::sides(&mut check, &spec.sides, &grid, &model);
-    let numerics = numerics::numerics(&mut check, &spec.accuracy, &model, preset);
+    let numerics = numerics::numerics(&mut check, &spec.accuracy, &grid, &model, preset);
     let schedule = schedule::schedule(&mut check, &spec.run);
     output::output(&mut check, &spec.output);
     let (run, label) = (String::new(), String::new());

@@ -4,15 +4,20 @@ use super::Checker;
 use crate::error::{Detail, number};
 use crate::pace::{MOST_STEPS, Pace};
 use crate::scene::{Model, Scene, TimeStep};
-use crate::spec::{Flow, Medium};
+use crate::spec::{Flow, Level, Medium};
 
 /// Checks the time step against the run.
 pub(super) fn time(check: &mut Checker<'_>, scene: &Scene, pace: &Pace) {
     let Model::Diffusion(model) = &scene.model else { return };
+    let (aims, capped) = (matches!(scene.numerics.level, Level::Target(_)), scene.schedule.steps.is_some());
+    check.require(!(aims && capped), "run.steps", || {
+        Detail::new("Target compares runs of different steps at their end, which a number of steps would cut off")
+            .advice("remove one of the two, or set steps to None")
+    });
     let path = match scene.numerics.step {
         TimeStep::Fixed(_) => "accuracy.dt",
         TimeStep::Cfl(_) => "accuracy.cfl",
-        TimeStep::Bounded(_) | TimeStep::Shift(_) => "run.until",
+        TimeStep::Bounded(_) | TimeStep::Shift(_) | TimeStep::Adaptive(_) => "run.until",
     };
     let moves = scene.medium_speed() > 0.0 || model.law.speed().is_some_and(|c| c > 0.0);
     if !check.require(moves || !matches!(scene.numerics.step, TimeStep::Cfl(_)), path, || {

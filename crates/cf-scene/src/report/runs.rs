@@ -78,8 +78,16 @@ fn plan(page: &mut String, run: &RunSummary) {
         ("transport", escape(&run.advection)),
         ("solver", format!("{}{}", escape(&run.solver), because(&run.solver_reason))),
         ("largest residual", format!("{:.1e}", run.residual)),
+        ("error", format!("{}: {}", escape(&run.error.words()), escape(&run.error.how))),
         ("peak memory", bytes(run.peak_memory)),
     ];
+    let mut rows = rows.to_vec();
+    if run.rejections > 0 {
+        rows.push(("steps made again", run.rejections.to_string()));
+    }
+    if let Some(target) = &run.target {
+        rows.push(("target", escape(&target.words)));
+    }
     page.push_str("<dl class=\"plan\">\n");
     for (name, value) in rows {
         let _ = writeln!(page, "<dt>{name}</dt><dd>{value}</dd>");

@@ -18,6 +18,8 @@ pub struct AccuracySpec {
     pub dt: Option<f64>,
     /// The time step as a multiple of h/(|u| + c).
     pub cfl: Option<f64>,
+    /// How the time step is found, instead of `dt` and `cfl`.
+    pub step: Option<StepRule>,
     /// Relative residual at which a solve stops.
     pub tolerance: Option<f64>,
     /// Floating-point numbers.
@@ -36,8 +38,19 @@ pub enum Level {
     Standard,
     /// Small steps and tight solves.
     Accurate,
-    /// Whatever reaches this relative error.
+    /// Whatever reaches this relative error: the fewest cells, of those of the scene halved again and again, and the longest
+    /// step. The error is that of `phi` at the end, in the mean square, against ever finer runs.
     Target(f64),
+}
+
+/// A rule for the time step.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+pub enum StepRule {
+    /// As long as the error of a step of Sdirk2, relative to the largest norm so far, is at most `tolerance`.
+    Adaptive {
+        /// In (0, 1).
+        tolerance: f64,
+    },
 }
 
 /// How diffusion is stepped.

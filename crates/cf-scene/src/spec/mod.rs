@@ -15,7 +15,7 @@ mod shape;
 mod sides;
 
 pub use about::{About, Value};
-pub use accuracy::{AccuracySpec, Advection, Integrator, Level, Precision, Solver, Splitting};
+pub use accuracy::{AccuracySpec, Advection, Integrator, Level, Precision, Solver, Splitting, StepRule};
 pub use axes::Axes;
 pub use claims::{Claim, ClaimSource, Direction, Front, Kind, Knob, Quantity, Statement};
 pub use grid::GridSpec;

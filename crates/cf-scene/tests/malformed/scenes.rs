@@ -323,8 +323,41 @@ pub const SCENES: &[Case] = &[
     (
         "target error",
         "(level: Standard, precision: f64)",
-        "Target(1e-3)",
-        &["s.ron:11:", "accuracy.level: choosing the knobs for an error of 0.001 comes with the trade-off study"],
+        "Target(1.5)",
+        &["s.ron:11:", "accuracy.level: out of range: expected above 0 and below 1"],
+    ),
+    (
+        "target and a step",
+        "level: Standard, precision: f64",
+        "level: Target(1e-2), dt: 0.1",
+        &["s.ron:11:", "accuracy.dt: Target chooses the time step itself"],
+    ),
+    (
+        "adaptive steps of Kdk",
+        "level: Standard, precision: f64",
+        "step: Adaptive(tolerance: 1e-2), integrator: Kdk",
+        &["s.ron:11:", "accuracy.step: only Sdirk2 estimates its own error"],
+    ),
+    (
+        "adaptive and fixed steps",
+        "level: Standard, precision: f64",
+        "step: Adaptive(tolerance: 1e-2), cfl: 0.5",
+        &["s.ron:11:", "accuracy.step: dt and cfl fix the time step that an adaptive step varies"],
+    ),
+    (
+        "tolerance of steps below rounding",
+        "level: Standard, precision: f64",
+        "step: Adaptive(tolerance: 1e-6), precision: f32",
+        &["s.ron:11:", "accuracy.step.tolerance: out of range: expected at least 1e-5, where rounding begins in F32"],
+    ),
+    (
+        "fronts on coarse cells",
+        "\"model.law.k\": 0.25",
+        "\"model.law.k\": 0.25, \"accuracy.integrator\": Characteristic, \"model.law.tau\": 1e-3",
+        &[
+            "accuracy.integrator: the cells are too coarse for Characteristic: h/(c tau) =",
+            "expected h/(c tau) up to 0.3",
+        ],
     ),
     (
         "tolerance below rounding",

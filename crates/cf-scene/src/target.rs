@@ -1,0 +1,300 @@
+//! `accuracy: Target(E)`: the cheapest run of a scene whose error is E.
+//!
+//! The grids are those of the scene halved again and again, the time step is halved with them, so the error falls as one
+//! power of h. Coarse runs come first. With d the relative difference of phi at the end between two grids, and p the order
+//! that three grids show,
+//!
+//! ```text
+//! p = log2(d_before/d) in [0.5, 2], 1 while there are only two grids        error of the finer = d/(2^p - 1)
+//! ```
+//!
+//! The first grid that is going to be good enough is run in earnest, and judged again by its own difference; a finer one
+//! follows where it was not. Whatever comes out, the summary says the error reached. For waves in a medium that is still or
+//! uniform, the two coarsest grids also decide between centred steps and those along the characteristics.
+//!
+//! All of it is counted and compared, nothing is timed: the same scene takes the same way on every machine.
+
+use crate::pace::Pace;
+use crate::perform::Options;
+use crate::progress::{Progress, Watch, Wish};
+use crate::run::{Needs, Outcome, Runner};
+use crate::run_error::RunError;
+use crate::scene::{Grid, Model, Scene, TimeStep};
+use crate::spec::{Axes, Integrator, Medium, Pictures};
+use crate::summary::{RungSummary, TargetSummary};
+use cf_diffusion::Front;
+
+/// Cells along an axis of a grid that is not halved further.
+pub(crate) const FEWEST_CELLS: usize = 8;
+/// Grids below that of the scene, at most.
+const MOST_HALVINGS: usize = 5;
+/// What a sub-step along the characteristics costs in explicit steps.
+const FRONT_COST: f64 = 2.5;
+
+/// The grids of a scene, coarsest first, its own last.
+pub(crate) fn ladder(grid: &Grid) -> Vec<Grid> {
+    let mut grids = vec![grid.clone()];
+    while grids.len() <= MOST_HALVINGS {
+        let Some(finer) = grids.last() else { break };
+        if !finer.cells.iter().all(|n| n % 2 == 0 && n / 2 >= FEWEST_CELLS) {
+            break;
+        }
+        let cells: Axes<usize> = finer.cells.iter().map(|n| n / 2).collect();
+        grids.push(Grid { cells, spacing: 2.0 * finer.spacing, ..finer.clone() });
+    }
+    grids.reverse();
+    grids
+}
+
+/// A run that is done, on its way to a target.
+struct Rung {
+    cells: Axes<usize>,
+    steps: u64,
+    phi: Vec<f64>,
+    difference: Option<f64>,
+}
+
+impl Rung {
+    fn of(scene: &Scene, outcome: &Outcome, before: Option<&Rung>) -> Rung {
+        let phi = outcome.evidence.phi.clone().unwrap_or_default();
+        let difference = before.map(|coarse| difference(&coarse.phi, &halved(&phi, &scene.grid.cells)));
+        Rung { cells: scene.grid.cells.clone(), steps: outcome.summary.steps, phi, difference }
+    }
+}
+
+/// What differences say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Judgement {
+    order: f64,
+    /// The relative error of the finer grid of the newest difference.
+    error: f64,
+}
+
+impl Judgement {
+    /// From the differences of grids that follow each other.
+    fn of(differences: &[f64]) -> Judgement {
+        let (order, last) = match *differences {
+            [.., before, last] if last > 0.0 && before.is_finite() => ((before / last).log2().clamp(0.5, 2.0), last),
+            [.., last] => (1.0, last),
+            [] => (1.0, f64::INFINITY),
+        };
+        Judgement { order, error: last / (order.exp2() - 1.0) }
+    }
+
+    /// The error on the grid `level` of a ladder, where this is that on the grid `newest`.
+    fn on(&self, level: usize, newest: usize) -> f64 {
+        self.error * (self.order * (newest as f64 - level as f64)).exp2()
+    }
+}
+
+/// Runs a scene to a relative error of `wanted`; also gives the scene as it was run.
+pub(crate) fn run(runner: &Runner<'_>, wanted: f64, watch: &mut dyn Watch) -> Result<(Scene, Outcome), RunError> {
+    let grids = ladder(&runner.scene.grid);
+    let last = grids.len() - 1;
+    let Path { schedule_dt, integrator, mut rungs } = Path::choose(runner, &grids, watch)?;
+    let on = |level: usize| rung(runner.scene, &grids[level], integrator, schedule_dt, level);
+    // Two coarse runs are there. The next one is a further pilot unless it is going to be the last.
+    let (mut level, pilots) = loop {
+        let found = judge(&rungs);
+        let newest = rungs.len() - 1;
+        if let Some(enough) = (0..=newest).find(|level| found.on(*level, newest) <= wanted) {
+            break (enough, newest);
+        }
+        if newest + 1 >= last || found.on(newest + 1, newest) <= wanted {
+            break ((newest + 1).min(last), newest);
+        }
+        let scene = on(newest + 1);
+        let outcome = pilot(runner, &scene, watch)?;
+        rungs.push(Rung::of(&scene, &outcome, rungs.last()));
+    };
+    loop {
+        let scene = on(level);
+        let needs = Needs { phi: true, ..runner.needs };
+        let mut outcome = Runner { scene: &scene, needs, ..*runner }.run(watch)?;
+        // Where a pilot was good enough, what all pilots say stands.
+        let known = (level <= pilots).then(|| judge(&rungs));
+        let before = level.checked_sub(1).and_then(|coarser| rungs.get(coarser));
+        let rung = Rung::of(&scene, &outcome, before);
+        rungs.push(rung);
+        let judged = known.unwrap_or_else(|| judge(&rungs));
+        let achieved = if level <= pilots { judged.on(level, pilots) } else { judged.error };
+        if achieved <= wanted || level == last {
+            let summary = summary(&rungs, wanted, achieved, judged.order);
+            if !summary.reached {
+                outcome.summary.warnings.push(summary.words.clone());
+            }
+            watch.note(&format!("run `{}`: {}", scene.run, summary.words));
+            outcome.summary.target = Some(summary);
+            if !runner.needs.phi {
+                outcome.evidence.phi = None;
+            }
+            return Ok((scene, outcome));
+        }
+        level += 1;
+    }
+}
+
+fn judge(rungs: &[Rung]) -> Judgement {
+    Judgement::of(&rungs.iter().filter_map(|rung| rung.difference).collect::<Vec<_>>())
+}
+
+fn summary(rungs: &[Rung], wanted: f64, achieved: f64, order: f64) -> TargetSummary {
+    let reached = achieved <= wanted;
+    let words = if reached {
+        format!("the target {wanted:e} is reached: the error is about {achieved:.1e}, at order {order:.1}")
+    } else {
+        let more = (achieved / wanted).powf(1.0 / order);
+        format!(
+            "the target {wanted:e} is not reached: with the cells of the scene the error is about {achieved:.1e}, at order {order:.1}; \
+             about {more:.1} times as many cells along each axis would do"
+        )
+    };
+    let one = |rung: &Rung| RungSummary { cells: rung.cells.to_vec(), steps: rung.steps, difference: rung.difference };
+    TargetSummary { wanted, achieved, reached, order, rungs: rungs.iter().map(one).collect(), words }
+}
+
+/// The scheme and the step on the coarsest grid, with the first runs.
+struct Path {
+    schedule_dt: f64,
+    integrator: Option<Integrator>,
+    rungs: Vec<Rung>,
+}
+
+impl Path {
+    fn choose(runner: &Runner<'_>, grids: &[Grid], watch: &mut dyn Watch) -> Result<Path, RunError> {
+        let mut best: Option<(f64, Path)> = None;
+        for integrator in schemes(runner.scene, &grids[0]) {
+            let mut coarse = Scene { grid: grids[0].clone(), ..runner.scene.clone() };
+            coarse.numerics.integrator = integrator;
+            let pace = Pace::of(&coarse);
+            // An equal part of the time between frames, so that every halving of the step is one.
+            let interval = runner.scene.schedule.interval;
+            let schedule_dt = if pace.dt < interval { interval / (interval / pace.dt).ceil() } else { interval };
+            let mut path = Path { schedule_dt, integrator: pace.integrator, rungs: Vec::new() };
+            for level in 0..2 {
+                let scene = rung(runner.scene, &grids[level], path.integrator, schedule_dt, level);
+                let outcome = pilot(runner, &scene, watch)?;
+                path.rungs.push(Rung::of(&scene, &outcome, path.rungs.last()));
+            }
+            // Cost grows with the power d + 1 of the cells along an axis, and they with the root of the error.
+            let weight = if integrator == Some(Integrator::Characteristic) { FRONT_COST } else { 1.0 };
+            let power = 0.5 * (grids[0].dimension() + 1) as f64;
+            let error = path.rungs.last().and_then(|rung| rung.difference).unwrap_or(f64::INFINITY);
+            let cost = weight * error.powf(power);
+            if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+                best = Some((cost, path));
+            }
+        }
+        let nothing = Path { schedule_dt: runner.scene.schedule.interval, integrator: None, rungs: Vec::new() };
+        Ok(best.map_or(nothing, |(_, path)| path))
+    }
+}
+
+/// The schemes to try: the scene's choice, or what the plan takes, and the characteristics where they are valid.
+fn schemes(scene: &Scene, coarsest: &Grid) -> Vec<Option<Integrator>> {
+    let mut schemes = vec![scene.numerics.integrator];
+    let Model::Diffusion(model) = &scene.model else { return schemes };
+    let plain = matches!(model.medium, Medium::Still | Medium::Uniform(_)) && model.obstacles.is_empty();
+    let resolved = model.law.speed().is_some_and(|c| {
+        c > 0.0 && model.law.fourier == 0.0 && coarsest.spacing <= Front::<f64, 2>::CELL_RATIO * c * model.law.tau
+    });
+    if scene.numerics.integrator.is_none() && plain && resolved {
+        schemes.push(Some(Integrator::Characteristic));
+    }
+    schemes
+}
+
+/// The scene on a grid, with the step of the coarsest halved `level` times.
+fn rung(scene: &Scene, grid: &Grid, integrator: Option<Integrator>, dt: f64, level: usize) -> Scene {
+    let mut rung = Scene { grid: grid.clone(), ..scene.clone() };
+    rung.numerics.integrator = integrator;
+    rung.numerics.step = TimeStep::Fixed(dt / (level as f64).exp2());
+    rung
+}
+
+/// A run without files and words.
+fn pilot(runner: &Runner<'_>, scene: &Scene, watch: &mut dyn Watch) -> Result<Outcome, RunError> {
+    let options = Options { write: false, estimate: false, resume: false, ..runner.options.clone() };
+    let mut scene = scene.clone();
+    scene.output.pictures = Pictures::Off;
+    let needs = Needs { phi: true, ..Needs::default() };
+    Runner { scene: &scene, needs, options: &options, ..*runner }.run(&mut Quiet(watch))
+}
+
+/// Watches steps and says nothing.
+struct Quiet<'a>(&'a mut dyn Watch);
+
+impl Watch for Quiet<'_> {
+    fn step(&mut self, progress: Progress<'_>) -> Wish {
+        self.0.step(progress)
+    }
+    fn note(&mut self, _: &str) {}
+}
+
+/// phi on a grid of half as many cells along each axis, by means; x fastest.
+fn halved(phi: &[f64], cells: &[usize]) -> Vec<f64> {
+    let n = |axis: usize| cells.get(axis).copied().unwrap_or(1);
+    let by = |axis: usize| if axis < cells.len() { 2 } else { 1 };
+    let coarse = [n(0) / by(0), n(1) / by(1), n(2) / by(2)];
+    let mut means = vec![0.0; coarse.iter().product()];
+    let share = 1.0 / (by(0) * by(1) * by(2)) as f64;
+    for (index, value) in phi.iter().enumerate() {
+        let (x, y, z) = (index % n(0), index / n(0) % n(1), index / (n(0) * n(1)));
+        means[x / by(0) + coarse[0] * (y / by(1) + coarse[1] * (z / by(2)))] += share * value;
+    }
+    means
+}
+
+/// Relative to the second, in the mean square; 0 where both are 0.
+fn difference(one: &[f64], other: &[f64]) -> f64 {
+    let (off, size) =
+        one.iter().zip(other).fold((0.0, 0.0), |(off, size), (a, b)| (off + (a - b) * (a - b), size + b * b));
+    if one.len() != other.len() {
+        f64::NAN
+    } else if off == 0.0 {
+        0.0
+    } else {
+        (off / size).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn grids_are_halved_while_they_can_be() {
+        let grid = |cells: &[usize]| Grid {
+            cells: cells.iter().copied().collect(),
+            spacing: 0.5,
+            origin: cells.iter().map(|_| 0.0).collect(),
+            extent: cells.iter().map(|n| 0.5 * *n as f64).collect(),
+        };
+        let cells = |of: &[usize]| ladder(&grid(of)).iter().map(|g| g.cells.to_vec()).collect::<Vec<_>>();
+        assert_eq!(cells(&[64, 32]), [[16, 8], [32, 16], [64, 32]]);
+        assert_eq!(cells(&[24, 20]), [[12, 10], [24, 20]]);
+        assert_eq!(cells(&[7, 32]), [[7, 32]]);
+        assert_eq!(cells(&[1024, 1024]).len(), 6);
+        assert_eq!(ladder(&grid(&[64, 32]))[0].spacing, 2.0);
+    }
+
+    #[test]
+    fn orders_and_errors_from_differences() {
+        assert_eq!(Judgement::of(&[]).error, f64::INFINITY);
+        assert_eq!(Judgement::of(&[0.1]), Judgement { order: 1.0, error: 0.1 });
+        let second = Judgement::of(&[0.4, 0.1]);
+        assert!((second.order - 2.0).abs() < 1e-12 && (second.error - 0.1 / 3.0).abs() < 1e-12);
+        assert!((second.on(3, 2) - 0.1 / 12.0).abs() < 1e-12 && (second.on(1, 2) - 0.4 / 3.0).abs() < 1e-12);
+        assert_eq!(Judgement::of(&[0.1, 0.2]).order, 0.5);
+    }
+
+    #[test]
+    fn means_and_differences() {
+        let phi: Vec<f64> = (0..16).map(f64::from).collect();
+        assert_eq!(halved(&phi, &[4, 4]), [2.5, 4.5, 10.5, 12.5]);
+        assert_eq!(halved(&phi[..8], &[2, 2, 2]), [3.5]);
+        assert_eq!(difference(&[1.0, 0.0], &[1.0, 1.0]), 0.5f64.sqrt());
+        assert_eq!(difference(&[0.0], &[0.0]), 0.0);
+        assert!(difference(&[0.0], &[]).is_nan());
+    }
+}

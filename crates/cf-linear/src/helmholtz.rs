@@ -198,11 +198,6 @@ impl<'m, const D: usize> Helmholtz<'m, D> {
         })
     }
 
-    /// Whether coefficients inside may differ.
-    pub(crate) fn is_variable(&self) -> bool {
-        self.shares.is_some()
-    }
-
     /// Whether any coefficient is stored per cell.
     pub fn is_stored(&self) -> bool {
         self.mask.is_some() || self.shares.is_some()

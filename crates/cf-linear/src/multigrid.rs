@@ -79,7 +79,7 @@ impl<T: Real, const D: usize> Multigrid<T, D> {
             if cells <= SMALL {
                 break CoarseSolver::new(current);
             }
-            let (operator, step) = coarsen(current, &mut open, helmholtz.is_variable());
+            let (operator, step) = coarsen(current, &mut open);
             let slots = operator.layout.slots();
             let field = || vec![T::ZERO; slots];
             let twice = coarser.len() + 1 == TWICE && D == 3 && !helmholtz.is_stored();
@@ -123,11 +123,7 @@ impl<T: Real, const D: usize> Multigrid<T, D> {
         let levels: usize = self.coarser.iter().map(|l| l.x.len() + l.b.len() + l.scratch.len() + second(l)).sum();
         let own: usize = self.own.iter().map(Vec::len).sum();
         let rings: usize = self.work.threads.iter().map(Vec::len).sum();
-        let weights = |t: &Transfer<T, D>| {
-            let beside = t.beside.iter().flatten().map(Vec::len).sum::<usize>();
-            beside + t.renormalise.as_ref().map_or(0, Vec::len)
-        };
-        let scales: usize = self.steps.iter().map(|s| weights(&s.transfer)).sum();
+        let scales: usize = self.steps.iter().filter_map(|s| s.transfer.renormalise.as_ref()).map(Vec::len).sum();
         let tables: usize = self.steps.iter().filter_map(|s| s.fused.as_ref()).map(Fused::bytes).sum();
         let stored: usize = self.coarser.iter().map(|l| l.operator.bytes()).sum();
         let sums = self.work.sums.len() * size_of::<Products>();
@@ -268,20 +264,17 @@ fn cycle<T: Real, const D: usize>(
     operator.wrap(x);
 }
 
-/// The operator of the next level and the way there; `open` becomes that level's. With `variable` coefficients the
-/// transfer follows them.
+/// The operator of the next level and the way there; `open` becomes that level's.
 fn coarsen<T: Real, const D: usize>(
     fine: &LevelOperator<T, D>,
     open: &mut Vec<f64>,
-    variable: bool,
 ) -> (LevelOperator<T, D>, Step<T, D>) {
     let pairs: Vec<_> = fine.axes.iter().map(|a| a.coarsen()).collect();
     let axes = std::array::from_fn(|a| pairs[a].0.clone());
     let interpolation = std::array::from_fn(|a| pairs[a].1.clone());
     // Halving a valid layout gives a valid layout.
     let layout = Layout::new(std::array::from_fn(|a| pairs[a].0.len())).unwrap_or(fine.layout);
-    let mut transfer =
-        Transfer { fine: fine.layout, coarse: layout, axes: interpolation, renormalise: None, beside: None };
+    let mut transfer = Transfer { fine: fine.layout, coarse: layout, axes: interpolation, renormalise: None };
     let mut fused = None;
     let coefficients = match &fine.coefficients {
         Coefficients::Uniform(s) => {
@@ -289,13 +282,8 @@ fn coarsen<T: Real, const D: usize>(
             Coefficients::Uniform(BoxStencil { alpha: s.alpha, axes: axes.clone() })
         }
         Coefficients::Stored(s) => {
-            let stencil = coarsen_stored(fine, s, &axes, &transfer, variable);
-            let walls = variable.then(|| follow(fine, s, &mut transfer));
-            let mut scale = renormalisation(fine, s, &stencil, &transfer);
-            for (scale, wall) in scale.iter_mut().zip(walls.iter().flatten()) {
-                *scale *= *wall;
-            }
-            transfer.renormalise = Some(scale);
+            let stencil = coarsen_stored(fine, s, &axes, &transfer);
+            transfer.renormalise = Some(renormalisation(fine, s, &stencil, &transfer));
             *open = sum_children(&transfer, |slot| open[slot]);
             Coefficients::Stored(stencil)
         }
@@ -343,7 +331,6 @@ fn coarsen_stored<T: Real, const D: usize>(
     stencil: &StoredStencil<T, D>,
     axes: &[crate::axis::AxisTable; D],
     transfer: &Transfer<T, D>,
-    variable: bool,
 ) -> StoredStencil<T, D> {
     let layout = &transfer.coarse;
     let mass = sum_children(transfer, |slot| stencil.mass[slot].f64());
@@ -361,17 +348,8 @@ fn coarsen_stored<T: Real, const D: usize>(
             };
             let w = stencil.face[a][at.slot()].f64();
             let wall = !fine.axes[a].periodic && (i == 0 || i == n);
-            let w = if n == 1 || w == 0.0 {
+            let w = if n == 1 {
                 w
-            } else if variable {
-                // The way on to the centres of the coarse cells, through their inner faces.
-                let sides = if wall {
-                    [(i == n).then_some(n - 1), (i == 0).then_some(0)]
-                } else {
-                    [Some((i + n - 1) % n), Some(i % n)]
-                };
-                1.0 / (1.0 / w
-                    + sides.into_iter().flatten().map(|child| leg(fine, stencil, at.cell, a, child)).sum::<f64>())
             } else if wall {
                 let area: f64 = (0..D).filter(|&o| o != a).map(|o| fine.axes[o].width[at.cell[o]]).product();
                 let end = if i == 0 { 0 } else { n - 1 };
@@ -389,59 +367,6 @@ fn coarsen_stored<T: Real, const D: usize>(
         });
     }
     StoredStencil::new(layout, &mass, &face)
-}
-
-/// Resistance of the way from the centre of cell `child` of the row along axis `a` through `cell` to that of its coarse
-/// cell; none where nothing joins it to the other half of that.
-fn leg<T: Real, const D: usize>(
-    fine: &LevelOperator<T, D>,
-    stencil: &StoredStencil<T, D>,
-    mut cell: [usize; D],
-    a: usize,
-    child: usize,
-) -> f64 {
-    let (extent, sibling) = (&fine.axes[a].extent, child ^ 1);
-    if sibling >= extent.len() {
-        return 0.0;
-    }
-    cell[a] = child.max(sibling);
-    let w = stencil.face[a][fine.layout.slot(cell)].f64();
-    if w > 0.0 { extent[sibling] / (extent[child] + extent[sibling]) / w } else { 0.0 }
-}
-
-/// Makes a transfer follow the coefficients: along each axis the flux from a coarse centre to the next one is the same on
-/// all faces on the way (Alcouffe, Brandt, Dendy and Painter 1981). Returns what the way to a wall makes of each fine cell.
-fn follow<T: Real, const D: usize>(
-    fine: &LevelOperator<T, D>,
-    stencil: &StoredStencil<T, D>,
-    transfer: &mut Transfer<T, D>,
-) -> Vec<T> {
-    let layout = &fine.layout;
-    let mut walls = vec![T::ONE; layout.slots()];
-    transfer.beside = Some(std::array::from_fn(|a| {
-        let n = layout.cells()[a];
-        let mut beside = vec![T::ZERO; layout.slots()];
-        if n == 1 {
-            return beside;
-        }
-        layout.each_cell(layout.cells_region(), |at| {
-            let child = at.cell[a];
-            let (face, next) = if child % 2 == 1 { (child + 1, child + 1) } else { (child, (child + n - 1) % n) };
-            let mut cell = at.cell;
-            cell[a] = face;
-            let w = stencil.face[a][layout.slot(cell)].f64();
-            let own = leg(fine, stencil, at.cell, a, child);
-            if !fine.axes[a].periodic && (face == 0 || face == n) {
-                walls[at.slot()] *= T::of(1.0 / (1.0 + w * own));
-            } else if w > 0.0 && own > 0.0 {
-                let way = own + 1.0 / w + leg(fine, stencil, at.cell, a, next % n);
-                beside[at.slot()] = T::of(own / way);
-            }
-        });
-        fine.wrap(&mut beside);
-        beside
-    }));
-    walls
 }
 
 /// Per fine cell: (sum of its weights) / (sum of its weights from coarse cells that are not solid).

@@ -13,11 +13,8 @@ pub(crate) struct Transfer<T, const D: usize> {
     pub fine: Layout<D>,
     pub coarse: Layout<D>,
     pub axes: [Interpolation; D],
-    /// Per fine cell, only over obstacles and variable coefficients.
+    /// Per fine cell, only over obstacles.
     pub renormalise: Option<Vec<T>>,
-    /// Per fine cell and axis, only for variable coefficients: the weight of the coarse neighbour on its side in place of
-    /// that of `axes`. Its rim is wrapped along periodic axes.
-    pub beside: Option<[Vec<T>; D]>,
 }
 
 /// Coarse cells handled at once.
@@ -108,9 +105,6 @@ impl<T: Real, const D: usize> Transfer<T, D> {
 
     /// coarse = Pᵀ fine, for a weighed `fine` whose rim is wrapped along periodic axes and zero elsewhere.
     pub fn restrict(&self, fine: &[T], coarse: &mut [T]) {
-        if let Some(beside) = &self.beside {
-            return self.restrict_by_cell(beside, fine, coarse);
-        }
         let x = &self.axes[0];
         let n = self.fine.cells()[0];
         self.coarse.par_runs(
@@ -163,9 +157,6 @@ impl<T: Real, const D: usize> Transfer<T, D> {
 
     /// fine += P coarse. `coarse`'s rim must be wrapped along periodic axes.
     pub fn prolong_add(&self, coarse: &[T], fine: &mut [T]) {
-        if let Some(beside) = &self.beside {
-            return self.prolong_by_cell(beside, coarse, fine);
-        }
         let x = &self.axes[0];
         let (n, m) = (self.fine.cells()[0], self.coarse.cells()[0]);
         let children = if x.coarsened { 2 } else { 1 };
@@ -217,64 +208,6 @@ impl<T: Real, const D: usize> Transfer<T, D> {
         );
     }
 
-    fn prolong_by_cell(&self, beside: &[Vec<T>; D], coarse: &[T], fine: &mut [T]) {
-        self.fine.par_runs(
-            self.fine.cells_region(),
-            fine,
-            #[inline(always)]
-            |run, out: &mut [T]| {
-                for (t, out) in out.iter_mut().enumerate() {
-                    let mut cell = run.cell;
-                    cell[0] += t;
-                    let slot = self.fine.slot(cell);
-                    let mut sum = T::ZERO;
-                    for bits in 0..1usize << D {
-                        let (mut index, mut weight) = ([0; D], T::ONE);
-                        for a in 0..D {
-                            let (i, other) = (cell[a] as isize, beside[a][slot]);
-                            let parent = if self.axes[a].coarsened { i / 2 } else { i };
-                            let far = bits >> a & 1 == 1;
-                            index[a] = if far { parent + i % 2 * 2 - 1 } else { parent };
-                            weight *= if far { other } else { T::ONE - other };
-                        }
-                        if weight != T::ZERO {
-                            sum += weight * coarse[Self::slot(&self.coarse, index)];
-                        }
-                    }
-                    *out += self.renormalise.as_ref().map_or(sum, |scale| scale[slot] * sum);
-                }
-            },
-        );
-    }
-
-    fn restrict_by_cell(&self, beside: &[Vec<T>; D], fine: &[T], coarse: &mut [T]) {
-        let n = self.fine.cells();
-        self.coarse.par_cells(coarse, |at| {
-            let mut sum = T::ZERO;
-            'fine: for code in 0..1usize << (2 * D) {
-                let mut index = [0; D];
-                for a in 0..D {
-                    let which = code >> (2 * a) & 3;
-                    index[a] =
-                        if self.axes[a].coarsened { 2 * at.cell[a] + which } else { at.cell[a] + 1 } as isize - 1;
-                    if index[a] > n[a] as isize || (!self.axes[a].coarsened && which > 0) {
-                        continue 'fine;
-                    }
-                }
-                let slot = Self::slot(&self.fine, index);
-                let mut weight = T::ONE;
-                for a in 0..D {
-                    // Behind the lone cell of an odd periodic axis is the first cell of the row, which is no child of it.
-                    let own =
-                        matches!(code >> (2 * a) & 3, 1 | 2) && index[a] < n[a] as isize || !self.axes[a].coarsened;
-                    weight *= if own { T::ONE - beside[a][slot] } else { beside[a][slot] };
-                }
-                sum += weight * fine[slot];
-            }
-            sum
-        });
-    }
-
     /// Those of `count` coarse cells from `start` on whose children have the weights 3/4 and 1/4.
     fn inner(&self, start: usize, count: usize) -> std::ops::Range<usize> {
         let n = self.fine.cells()[0];
@@ -299,10 +232,7 @@ mod tests {
         let pairs: [_; D] = std::array::from_fn(|a| AxisTable::new(cells[a], 1.0, walls[a]).coarsen());
         let coarse = Layout::new(pairs.each_ref().map(|p| p.0.len())).unwrap();
         let axes = pairs.map(|p| p.1);
-        (
-            Transfer { fine: Layout::new(cells).unwrap(), coarse, axes, renormalise: None, beside: None },
-            walls.map(|w| w.is_none()),
-        )
+        (Transfer { fine: Layout::new(cells).unwrap(), coarse, axes, renormalise: None }, walls.map(|w| w.is_none()))
     }
 
     fn field<const D: usize>(layout: &Layout<D>, periodic: [bool; D], value: impl Fn(usize) -> f64) -> Vec<f64> {
@@ -314,23 +244,7 @@ mod tests {
 
     /// x·P y = Pᵀ x·y for everything at once, and P 1 = 1 away from conducting walls.
     fn check<const D: usize>(cells: [usize; D], walls: [Option<[f64; 2]>; D], scaled: bool) {
-        check_with(cells, walls, scaled, false);
-        check_with(cells, walls, scaled, true);
-    }
-
-    fn check_with<const D: usize>(cells: [usize; D], walls: [Option<[f64; 2]>; D], scaled: bool, by_cell: bool) {
         let (mut t, periodic) = transfer(cells, walls);
-        if by_cell {
-            t.beside = Some(std::array::from_fn(|a| {
-                let mut beside = vec![0.0; t.fine.slots()];
-                t.fine.each_cell(t.fine.cells_region(), |at| {
-                    let weight = t.axes[a].other[at.cell[a]];
-                    beside[at.slot()] = if weight > 0.0 { (at.slot() % 7) as f64 / 8.0 } else { 0.0 };
-                });
-                (0..D).filter(|&o| periodic[o]).for_each(|o| t.fine.wrap_rim(o, &mut beside));
-                beside
-            }));
-        }
         if scaled {
             t.renormalise = Some(field(&t.fine, [false; D], |s| (s % 5) as f64 / 3.0));
         }

@@ -3,6 +3,7 @@
 use cf_diffusion::verify::{self, Table};
 
 fn assert_passes(table: Table) {
+    println!("{table}");
     assert!(!table.rows.is_empty() && table.pass(), "{table}");
 }
 

@@ -85,14 +85,16 @@ pub enum Wall {
     Flux(f64),
     /// Prescribed value phi_b \[P\] on the wall face. A medium flowing in carries it.
     Value(f64),
-    /// Lets waves leave: diffusive flux q·n = speed (phi - far). A medium flowing in carries `far`.
+    /// Lets waves leave: diffusive flux q·n = speed (phi - far). A medium flowing in carries `far`. phi is that of the
+    /// outermost cell, half a cell inside: first order in the spacing, measured by `verify`.
     Absorbing {
         /// Wave speed c \[m/s\].
         speed: f64,
         /// Value at rest outside \[P\].
         far: f64,
     },
-    /// No diffusive flux; the medium flows out freely and carries `inflow` \[P\] where it flows in.
+    /// No diffusive flux; the medium flows out freely and carries `inflow` \[P\] where it flows in. First order in the
+    /// spacing where the medium passes, second at rest.
     Open {
         /// Value carried in \[P\].
         inflow: f64,

@@ -1,4 +1,4 @@
-//! Dimension splitting: which sweep reads and writes what (model section 6.6).
+//! Dimension splitting: which sweep reads and writes what.
 
 use std::ops::Range;
 
@@ -14,7 +14,8 @@ pub(super) enum Form {
     /// φ_t + div(u φ) = 0. The dilatation term takes the start-of-step φ in every sweep; the last one takes all of it
     /// back. Without divergence that is its own share, so that constants stay constant; with one it is still conservative.
     Conservative,
-    /// q_t + u·grad q = 0. The dilatation term takes the φ each sweep reads: a sweep makes no new extrema.
+    /// q_t + u·grad q = 0, each sweep by itself ([`Dilatation::Along`]): a sweep makes no new extrema, none needs more than
+    /// it reads, and u may diverge.
     Advective,
 }
 
@@ -32,7 +33,12 @@ pub(super) fn step<T: Real, const D: usize>(
     let divergent = divergent.filter(|_| form == Form::Conservative);
     let sweep = |axis| Sweep { sites, stream, axis, dilatation: Dilatation::Absent, divergent };
     let keep = form == Form::Conservative && varying;
-    let own = |start| if varying { Dilatation::Own(start) } else { Dilatation::Absent };
+    // What every sweep but the last of several in flux form has.
+    let own = match form {
+        _ if !varying => Dilatation::Absent,
+        Form::Conservative => Dilatation::Own(Start::Read),
+        Form::Advective => Dilatation::Along,
+    };
     let with = |axis, dilatation| Sweep { dilatation, ..sweep(axis) };
     let leaves = |axis, now: &[T]| match form {
         Form::Conservative => sweep(axis).outflow(now),
@@ -42,7 +48,7 @@ pub(super) fn step<T: Real, const D: usize>(
     match *axes {
         // One sweep: nothing to split. Flux form is conservative, u·grad takes its own dilatation.
         [axis] => {
-            let whole = if form == Form::Advective { own(Start::Read) } else { Dilatation::Absent };
+            let whole = if form == Form::Advective { own } else { Dilatation::Absent };
             out += leaves(axis, field);
             if axis == 0 {
                 with(axis, whole).run(None, field);
@@ -53,14 +59,14 @@ pub(super) fn step<T: Real, const D: usize>(
         }
         [a, b] => {
             out += leaves(a, field);
-            with(a, own(Start::Read)).run(Some(field), work);
+            with(a, own).run(Some(field), work);
             out += leaves(b, work);
-            let last = if keep { Dilatation::Undo(&axes[..1], Start::Written) } else { own(Start::Read) };
+            let last = if keep { Dilatation::Undo(&axes[..1], Start::Written) } else { own };
             with(b, last).run(Some(work), field);
         }
         [a, b, c] if keep => {
             out += leaves(a, field);
-            with(a, own(Start::Read)).run(Some(field), work);
+            with(a, own).run(Some(field), work);
             out += leaves(b, work);
             let start = Dilatation::Own(Start::Field(field));
             Sweep { sites, stream, axis: b, dilatation: start, divergent }.run(Some(work), second);
@@ -71,7 +77,7 @@ pub(super) fn step<T: Real, const D: usize>(
         [_, _, _] => {
             let mut held = false;
             for &axis in axes {
-                let sweep = with(axis, own(Start::Read));
+                let sweep = with(axis, own);
                 let now: &[T] = if held { work } else { field };
                 out += leaves(axis, now);
                 match (axis, held) {

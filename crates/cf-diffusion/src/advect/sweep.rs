@@ -1,6 +1,6 @@
-//! One sweep of flux-form MUSCL along one axis (model section 6.6).
+//! One sweep of flux-form MUSCL along one axis (paper eqs 11 and 12).
 
-use cf_grid::{End, Real, Run};
+use cf_grid::{End, Real, Run, vectorised};
 
 use super::flow::Stream;
 use super::kernel::{Window, flux_form, flux_form_window, flux_form_with, uniform_five, uniform_window};
@@ -24,12 +24,18 @@ pub(super) enum Dilatation<'f, T> {
     Absent,
     /// + (ν_R − ν_L) φ of this axis.
     Own(Start<'f, T>),
+    /// q_t + u q_x = 0 to second order by itself: (ν_R − ν_L) q of what the sweep reads is added, and the whole change is
+    /// taken 1 + (ν_R − ν_L)/2 times. For the fluxes hold (u² q_x)_x Δt²/2, one u u_x q_x more than q_tt = u (u q_x)_x.
+    Along,
     /// − Σ (ν_R − ν_L) φ of the axes swept before: equal to `Own` where div u = 0, and what keeps the sum of all
     /// sweeps conservative where it is not.
     Undo(&'f [usize], Start<'f, T>),
 }
 
 /// A sweep along `axis`.
+///
+/// Only the kernels are compiled for the machine's vector registers: around them stands too much code to have it three
+/// times.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sweep<'s, T, const D: usize> {
     pub sites: &'s Sites<D>,
@@ -152,7 +158,10 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
         if let (true, Some(nu)) = (inner, self.stream.uniform(axis)) {
             let whole = Chunk { cell: run.cell, len: run.len() };
             let rows = std::array::from_fn(|k| whole.at(axis, place(k)).row(&sites.layout, from));
-            return uniform_five(nu, rows, out);
+            return vectorised(
+                #[inline(always)]
+                || uniform_five(nu, rows, out),
+            );
         }
         for range in Chunk::<D>::ranges(run.len()) {
             let chunk = Chunk::of(&run, &range);
@@ -197,7 +206,13 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
             }
             let rows: [&[T]; 5] = std::array::from_fn(|k| &window[k..k + m]);
             match self.stream.uniform(0) {
-                Some(nu) => uniform_window(nu, &window, &mut out[range]),
+                Some(nu) => {
+                    let out = &mut out[range];
+                    vectorised(
+                        #[inline(always)]
+                        || uniform_window(nu, &window, out),
+                    );
+                }
                 None => self.chunk(Chunk::of(&run, &range), rows, Some(&window), &mut out[range]),
             }
             window.copy_within(m..m + 2, 0);
@@ -211,10 +226,13 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
         let (low, high, add) = (&mut low[..n], &mut high[..n], &mut add[..n]);
         let start = match self.dilatation {
             Dilatation::Absent => None,
-            Dilatation::Own(start) => {
+            Dilatation::Own(_) | Dilatation::Along => {
                 self.stream.speeds(sites, self.axis, chunk, low, high);
                 gain(T::ONE, low, high, add);
-                Some(start)
+                match self.dilatation {
+                    Dilatation::Own(start) => Some(start),
+                    _ => Some(Start::Read),
+                }
             }
             Dilatation::Undo(axes, start) => {
                 for &axis in axes {
@@ -239,19 +257,35 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
                 *add *= value;
             }
         }
-        if !matches!(self.dilatation, Dilatation::Own(_)) {
+        if !matches!(self.dilatation, Dilatation::Own(_) | Dilatation::Along) {
             self.stream.speeds(sites, self.axis, chunk, low, high);
         }
         match (self.stream.fluid, window) {
-            (None, Some(window)) if self.divergent.is_none() => flux_form_window(window, low, high[n - 1], add, out),
+            (None, Some(window)) if self.divergent.is_none() => {
+                vectorised(
+                    #[inline(always)]
+                    || flux_form_window(window, low, high[n - 1], add, out),
+                );
+            }
             (None, _) => self.flux_form(chunk, rows, low, high, add, out),
             (Some(fluid), _) => self.chunk_with_solids(fluid, chunk, rows, low, high, add, out),
+        }
+        if matches!(self.dilatation, Dilatation::Along) {
+            let half = T::of(0.5);
+            for (((out, &own), &l), &h) in out.iter_mut().zip(rows[2]).zip(&*low).zip(&*high) {
+                *out += half * (h - l) * (*out - own);
+            }
         }
     }
 
     /// Flux form, with no slope in divergent cells.
     fn flux_form(&self, chunk: Chunk<D>, rows: [&[T]; 5], low: &[T], high: &[T], add: &[T], out: &mut [T]) {
-        let Some(divergent) = self.divergent else { return flux_form(rows, low, high, add, out) };
+        let Some(divergent) = self.divergent else {
+            return vectorised(
+                #[inline(always)]
+                || flux_form(rows, low, high, add, out),
+            );
+        };
         let n = chunk.len;
         let mut steep = [[T::ONE; CHUNK]; 3];
         for (steep, by) in steep.iter_mut().zip(-1..=1) {

@@ -7,8 +7,9 @@ use nalgebra::SVector;
 
 use super::case::Case;
 use super::{Measured, Row, Table};
+use crate::advect::{Advection, Advector};
 use crate::exact::{AxisModes, Walls, modes, source};
-use crate::{Integrator, Law, Medium, Source, Splitting, State, kdk_limit};
+use crate::{Integrator, Law, Medium, Source, Splitting, State, kdk_limit, medium};
 
 /// log2 of the ratio of two errors, the second on half the step.
 fn order(errors: [f64; 2]) -> f64 {
@@ -94,11 +95,94 @@ fn carried(integrator: Integrator, splitting: Splitting, n: usize) -> Measured {
     Ok(grid.layout().sum_abs(&error.phi) / grid.layout().count() as f64)
 }
 
+/// What is carried by [`vortex`].
+#[derive(Debug, Clone, Copy)]
+enum Carried {
+    /// phi, by whole steps.
+    Phi(Integrator),
+    /// q_C, by transport alone.
+    SlowFlux,
+}
+
+/// n² values of phi in cells, or of q_C on low faces along x, at t = 0.4 in a vortex between closed walls, from bells
+/// beside its centre; dt in proportion to h.
+fn vortex(what: Carried, n: usize) -> Measured<Vec<f64>> {
+    let integrator = if let Carried::Phi(integrator) = what { integrator } else { Integrator::Kdk };
+    let law = Law::new(0.1, 0.5, if integrator == Integrator::Kdk { 0.0 } else { 0.1 })?;
+    let (h, steps) = (1.0 / n as f64, n / 2);
+    let mut case = Case::new([n, n], h, law, integrator, 0.4 / steps as f64)?;
+    case.settings.tolerance = 1e-8;
+    let grid = case.grid;
+    let psi = |x: SVector<f64, 2>| 0.2 * ((PI * x[0]).sin() * (PI * x[1]).sin()).powi(2);
+    let medium = Medium::Field(medium::stream_function(&grid, psi)?);
+    let bell = |x: SVector<f64, 2>| (-(x - SVector::from([0.45, 0.6])).norm_squared() / 0.02).exp();
+    let mut state = State::<f64, 2>::new(&grid, &law);
+    case.set_phi(&mut state, |c| bell(grid.centre(c)));
+    case.set_flux(&mut state, |axis, c, _| if axis == 0 { bell(grid.face(0, c)) } else { 0.0 });
+    let mut stepper = case.stepper::<f64>()?;
+    let mut advector = Advector::new(&grid, &case.sides, None, Advection::Muscl);
+    for _ in 0..steps {
+        match what {
+            Carried::Phi(_) => _ = stepper.step(&mut state, &medium, Source::NONE, case.dt)?,
+            Carried::SlowFlux => _ = advector.advect(&mut state.phi, state.slow_flux.as_mut(), &medium, case.dt)?,
+        }
+    }
+    let values = match (what, &state.slow_flux) {
+        (Carried::SlowFlux, Some(q)) => q.axis(0),
+        _ => &state.phi[..],
+    };
+    Ok((0..n * n).map(|i| values[grid.layout().slot([i % n, i / n])]).collect())
+}
+
+/// phi of a bell after most of it has reached a wall at x = 1, along a line, by waves of speed 1 and a medium; dt in
+/// proportion to h.
+fn reaching_a_wall(wall: Wall, velocity: f64, integrator: Integrator, n: usize) -> Measured<Vec<f64>> {
+    let law = Law::new(0.5, 0.5, 0.0)?;
+    let (h, steps) = (1.0 / n as f64, n);
+    let mut case = Case::new([n, 1], h, law, integrator, 0.5 / steps as f64)?;
+    case.settings.tolerance = 1e-10;
+    case.sides = Sides([Axis::Walls([Wall::Open { inflow: 0.0 }, wall]), Axis::Periodic]);
+    let grid = case.grid;
+    let mut state = State::<f64, 2>::new(&grid, &law);
+    case.set_phi(&mut state, |c| (-((grid.centre(c)[0] - 0.6) / 0.1).powi(2)).exp());
+    let mut stepper = case.stepper::<f64>()?;
+    let medium = Medium::Uniform(SVector::from([velocity, 0.0]));
+    for _ in 0..steps {
+        stepper.step(&mut state, &medium, Source::NONE, case.dt)?;
+    }
+    Ok((0..n).map(|i| state.phi[grid.layout().slot([i, 0])]).collect())
+}
+
+/// Order by the mean differences of solutions on n, 2n and 4n cells.
+fn at_a_wall(wall: Wall, velocity: f64, integrator: Integrator, n: usize) -> Measured {
+    let apart = |coarse: &[f64], fine: &[f64]| {
+        let pairs = coarse.iter().zip(fine.chunks_exact(2));
+        pairs.map(|(value, pair)| (value - 0.5 * (pair[0] + pair[1])).abs()).sum::<f64>() / coarse.len() as f64
+    };
+    let solution = |n| reaching_a_wall(wall, velocity, integrator, n);
+    let [coarse, middle, fine] = [solution(n)?, solution(2 * n)?, solution(4 * n)?];
+    Ok(order([apart(&coarse, &middle), apart(&middle, &fine)]))
+}
+
+/// Order by the mean differences of three solutions on n², (2n)² and (4n)² cells.
+fn in_a_vortex(what: Carried, n: usize) -> Measured {
+    let both: &[usize] = if matches!(what, Carried::SlowFlux) { &[0] } else { &[0, 1] };
+    let apart = |n: usize, coarse: &[f64], fine: &[f64]| {
+        let children =
+            |i: usize| both.iter().flat_map(move |x| [0, 1].map(|y| (2 * (i / n) + y) * 2 * n + 2 * (i % n) + x));
+        let mean = |i: usize| children(i).map(|child| fine[child]).sum::<f64>() / (2 * both.len()) as f64;
+        coarse.iter().enumerate().map(|(i, value)| (value - mean(i)).abs()).sum::<f64>() / coarse.len() as f64
+    };
+    let [coarse, middle, fine] = [vortex(what, n)?, vortex(what, 2 * n)?, vortex(what, 4 * n)?];
+    Ok(order([apart(n, &coarse, &middle), apart(2 * n, &middle, &fine)]))
+}
+
 fn pair(mut error: impl FnMut(usize) -> Measured, n: usize) -> Measured {
     Ok(order([error(n)?, error(2 * n)?]))
 }
 
-/// Orders of every integrator: in time for laws from tau = 0 to waves, with a source, in space, and in a moving medium.
+/// Orders of every integrator: in time for laws from tau = 0 to waves, with a source, in space, in a medium that moves
+/// evenly or in a vortex, and at walls that let waves or the medium pass, where it is first.
 pub fn orders() -> Table {
     let mut rows = Vec::new();
     let laws =
@@ -136,19 +220,30 @@ pub fn orders() -> Table {
         let found = found.and_then(|law| pair(|n| in_space(law, integrator, n), 32));
         rows.push(Row::near("order in space", text, 2.0, 0.1, found));
     }
-    for (integrator, splitting, expected) in [
-        (Integrator::Sdirk2, Splitting::Strang, 2.0),
-        (Integrator::Kdk, Splitting::Strang, 2.0),
-        (Integrator::PaperBe, Splitting::Paper, 1.0),
+    for (integrator, splitting, expected, n) in [
+        (Integrator::Sdirk2, Splitting::Strang, 2.0, 64),
+        (Integrator::Kdk, Splitting::Strang, 2.0, 64),
+        (Integrator::PaperBe, Splitting::Paper, 1.0, 128),
     ] {
-        let found = pair(|n| carried(integrator, splitting, n), 64);
-        rows.push(Row::near(
-            "order in a moving medium",
-            format!("{integrator:?} {splitting:?}"),
-            expected,
-            0.25,
-            found,
-        ));
+        let text = format!("{integrator:?} {splitting:?}");
+        let found = pair(|n| carried(integrator, splitting, n), n);
+        rows.push(Row::near("order in a moving medium", text, expected, 0.1, found));
+    }
+    for (what, n) in
+        [(Carried::SlowFlux, 128), (Carried::Phi(Integrator::Kdk), 64), (Carried::Phi(Integrator::Sdirk2), 32)]
+    {
+        rows.push(Row::at_least("order in a vortex", format!("{what:?}"), 2.0, 0.2, in_a_vortex(what, n)));
+    }
+    let walls = [("absorbing", Wall::Absorbing { speed: 1.0, far: 0.0 }), ("open", Wall::Open { inflow: 0.0 })];
+    for (name, wall) in walls {
+        for (velocity, integrator) in
+            [0.0, 0.5, -0.5].into_iter().flat_map(|u| [(u, Integrator::Kdk), (u, Integrator::Sdirk2)])
+        {
+            let expected = if name == "open" && velocity == 0.0 { 2.0 } else { 1.0 };
+            let text = format!("{integrator:?} {name} u={velocity}");
+            let found = at_a_wall(wall, velocity, integrator, 256);
+            rows.push(Row::at_least("order at a wall", text, expected, 0.1, found));
+        }
     }
     Table { title: "Orders of accuracy", rows }
 }

@@ -18,7 +18,8 @@ pub struct AccuracySpec {
     pub dt: Option<f64>,
     /// The time step as a multiple of h/(|u| + c).
     pub cfl: Option<f64>,
-    /// Relative residual at which a solve stops.
+    /// Relative residual at which a solve stops. Mass is exact at any; the energy may grow by a share of the order of its
+    /// square in a step.
     pub tolerance: Option<f64>,
     /// Floating-point numbers.
     pub precision: Option<Precision>,

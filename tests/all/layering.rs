@@ -11,9 +11,10 @@ fn arrows() -> BTreeMap<&'static str, &'static [&'static str]> {
         ("cf-diffusion", &["cf-grid", "cf-linear"]),
         ("cf-fluid", &["cf-diffusion", "cf-grid", "cf-linear"]),
         ("cf-spectral", &["cf-diffusion", "cf-grid"]),
+        ("cf-tradeoff", &["cf-diffusion", "cf-grid", "cf-linear", "cf-spectral"]),
         ("cf-output", &["cf-grid"]),
         ("cf-scene", &["cf-diffusion", "cf-grid", "cf-linear", "cf-output"]),
-        ("xtask", &["cf-diffusion", "cf-grid", "cf-linear", "cf-output", "cf-scene", "cf-spectral"]),
+        ("xtask", &["cf-diffusion", "cf-grid", "cf-linear", "cf-output", "cf-scene", "cf-tradeoff"]),
         ("cf-tests", &[]),
     ])
 }

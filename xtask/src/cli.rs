@@ -14,6 +14,12 @@ Examples:
   cargo xtask bench solver --cells 97x61x45 --walls valued --kappa 10,1e5 --threads 1
   cargo xtask bench solver --cells 128x128x128 --tolerance 1e-6 --peers";
 
+const TRADEOFF_EXAMPLES: &str = "\
+Examples:
+  cargo xtask tradeoff --problem P1 --quick --target-error 1e-2
+  cargo xtask tradeoff scenes/fig03_cones.ron --preset draft
+  cargo xtask tradeoff --peers";
+
 /// Diffusion at a finite speed: figures, scenes, checks and measurements.
 #[derive(Parser, Debug)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", version, after_help = EXIT_CODES)]
@@ -47,8 +53,9 @@ pub enum Command {
     /// Measures this machine's memory and the kernels against it.
     #[command(after_help = BENCH_EXAMPLES)]
     Bench(BenchArgs),
-    /// Measures what accuracy costs: error against wall time of every integrator, on problems with a known solution.
-    #[command(after_help = "Example: cargo xtask tradeoff --problem P1 --quick --target-error 1e-2")]
+    /// Measures what accuracy costs: error against wall time of every integrator, on problems with a known solution or on
+    /// a scene.
+    #[command(after_help = TRADEOFF_EXAMPLES)]
     Tradeoff(TradeoffArgs),
 }
 
@@ -225,7 +232,13 @@ pub enum Canonical {
     /// A jump moves on as a front, F_T = 0: a step in one dimension, a disc in two.
     #[value(name = "P2", alias = "p2")]
     P2,
-    /// Both.
+    /// A steady source in a uniform flow, slower and faster than its waves.
+    #[value(name = "P3", alias = "p3")]
+    P3,
+    /// A flow that deforms and returns, with and without diffusion.
+    #[value(name = "P4", alias = "p4")]
+    P4,
+    /// All of them.
     #[value(name = "all")]
     All,
 }
@@ -233,6 +246,13 @@ pub enum Canonical {
 /// `tradeoff`.
 #[derive(Args, Debug)]
 pub struct TradeoffArgs {
+    /// A scene file, or the number or name of a figure, instead of the problems with known solutions; its reference is its
+    /// own tightest run, whose error three grids tell.
+    #[arg(value_name = "SCENE", conflicts_with_all = ["problem", "peers", "numbers"])]
+    pub scene: Option<String>,
+    /// What to change in the scene.
+    #[command(flatten)]
+    pub options: SceneOptions,
     /// Which problem.
     #[arg(long, value_enum, default_value = "all")]
     pub problem: Canonical,
@@ -242,10 +262,16 @@ pub struct TradeoffArgs {
     /// Print the cheapest setting whose relative error is at most this.
     #[arg(long, value_name = "E", value_parser = positive)]
     pub target_error: Option<f64>,
+    /// Compare with py-pde, FiPy and a plain NumPy leapfrog on the telegraph equation, in an environment of their own.
+    #[arg(long, conflicts_with = "numbers")]
+    pub peers: bool,
+    /// Compare f32 with f64 on every run of figures 3 and 4.
+    #[arg(long)]
+    pub numbers: bool,
     /// Where to write; out/tradeoff unless given.
     #[arg(long, value_name = "DIR", default_value = "out/tradeoff")]
     pub out: PathBuf,
-    /// Also write the table for docs/tradeoff into this folder.
+    /// Also write the tables for docs/tradeoff into this folder.
     #[arg(long, value_name = "DIR")]
     pub docs: Option<PathBuf>,
 }

@@ -1,4 +1,4 @@
-//! The Lyapunov functionals (model/diffusion.md 1.2): what must not grow in a medium at rest.
+//! The Lyapunov functionals: what must not grow in a medium at rest.
 
 use cf_grid::{Grid, Real, Sides, Wall, row_dot};
 

@@ -1,4 +1,4 @@
-//! The explicit staggered leapfrog KDK for F_T = 0, with exact relaxation (model/diffusion.md 6.2):
+//! The explicit staggered leapfrog KDK for F_T = 0, with exact relaxation:
 //!
 //! ```text
 //! q <- e q - (1-e) k Grad phi;  phi <- phi - dt Div q + dt W;  q <- e q - (1-e) k Grad phi,   e = exp(-dt/2tau)
@@ -98,27 +98,37 @@ fn drift<T: Real, const D: usize>(
     }
     let (flux, q) = (T::of(per_h), q.axes());
     let fluid = walls.mask.as_ref().map(|m| m.fluid());
-    let poison: f64 = layout.par_runs(layout.cells_region(), &mut phi[..], |run, phi: &mut [T]| {
-        let mut net = [T::ZERO; ROW];
-        let mut poison = 0.0;
-        in_pieces(&run, phi, |piece, phi| {
-            let net = &mut net[..phi.len()];
-            net_outflow(&piece, q, net);
-            for (phi, &net) in phi.iter_mut().zip(net.iter()) {
-                *phi -= flux * net;
-            }
-            if let Some(rate) = source.rate {
-                let emitted = T::of(dt * source.share);
-                for (i, (phi, &w)) in phi.iter_mut().zip(piece.row(rate)).enumerate() {
-                    if fluid.is_none_or(|f| f[piece.slot() + i]) {
-                        *phi += emitted * w;
+    let poison: f64 = layout.par_runs(
+        layout.cells_region(),
+        &mut phi[..],
+        #[inline(always)]
+        |run, phi: &mut [T]| {
+            let mut net = [T::ZERO; ROW];
+            let mut poison = 0.0;
+            in_pieces(
+                &run,
+                phi,
+                #[inline(always)]
+                |piece, phi| {
+                    let net = &mut net[..phi.len()];
+                    net_outflow(&piece, q, net);
+                    for (phi, &net) in phi.iter_mut().zip(net.iter()) {
+                        *phi -= flux * net;
                     }
-                }
-            }
-            poison += row_sum(phi) * 0.0;
-        });
-        poison
-    });
+                    if let Some(rate) = source.rate {
+                        let emitted = T::of(dt * source.share);
+                        for (i, (phi, &w)) in phi.iter_mut().zip(piece.row(rate)).enumerate() {
+                            if fluid.is_none_or(|f| f[piece.slot() + i]) {
+                                *phi += emitted * w;
+                            }
+                        }
+                    }
+                    poison += row_sum(phi) * 0.0;
+                },
+            );
+            poison
+        },
+    );
     if poison != 0.0
         && let Some(cell) = walls.first_bad(phi)
     {

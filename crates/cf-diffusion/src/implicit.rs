@@ -1,6 +1,6 @@
 //! The implicit step of the paper (eqs. 17, 18), rescaled so that no parameter breaks it, in conservative form.
 //!
-//! One stage over dt from (phi*, q*), with the coefficients of [`Coefficients`] (model/diffusion.md section 3):
+//! One stage over dt from (phi*, q*), with the coefficients of [`Coefficients`]:
 //!
 //! ```text
 //! (I - beta Lap) phi^ = phi* - w dt Div q* + dt W (+ walls)
@@ -10,7 +10,7 @@
 //!
 //! The solve sees the deviation from a reference, about the level at the end, and phi is updated from face fluxes of that deviation: mass is exact to
 //! rounding at any tolerance. Where the rounding of kappa times the deviation would exceed what the precision promises,
-//! phi^ itself is kept and its mass is restored per fluid component (section 0.1).
+//! phi^ itself is kept and its mass is restored per fluid component.
 
 mod conductances;
 mod update;
@@ -151,38 +151,48 @@ impl<T: Real, const D: usize> Implicit<T, D> {
         let pull = T::of(c.pull / self.h);
         let emitted = source.share * c.dt;
         let fluid = walls.mask.as_ref().map(|m| m.fluid());
-        let size: Max = layout.par_runs(layout.cells_region(), &mut self.rhs[..], |run, rhs: &mut [T]| {
-            let mut net = [T::ZERO; ROW];
-            let mut size = Max(0.0);
-            in_pieces(&run, rhs, |piece, rhs| {
-                for (rhs, &phi) in rhs.iter_mut().zip(piece.row(phi)) {
-                    *rhs = phi - reference;
-                }
-                if let Some(q) = slow {
-                    let net = &mut net[..rhs.len()];
-                    net_outflow(&piece, q, net);
-                    for (rhs, &net) in rhs.iter_mut().zip(net.iter()) {
-                        *rhs -= pull * net;
-                    }
-                }
-                if let Some(rate) = source.rate {
-                    let emitted = T::of(emitted);
-                    for (rhs, &w) in rhs.iter_mut().zip(piece.row(rate)) {
-                        *rhs += emitted * w;
-                    }
-                }
-                if let Some(fluid) = fluid {
-                    for (rhs, &fluid) in rhs.iter_mut().zip(piece.row(fluid)) {
-                        *rhs = if fluid { *rhs } else { T::ZERO };
-                    }
-                }
-                let largest = rhs.iter().fold(T::ZERO, |m, r| m.max(r.abs()));
-                // A NaN loses every comparison; the sum keeps it.
-                let poison = row_sum(rhs) * 0.0;
-                size = Max(size.0.max(largest.f64()) + poison);
-            });
-            size
-        });
+        let size: Max = layout.par_runs(
+            layout.cells_region(),
+            &mut self.rhs[..],
+            #[inline(always)]
+            |run, rhs: &mut [T]| {
+                let mut net = [T::ZERO; ROW];
+                let mut size = Max(0.0);
+                in_pieces(
+                    &run,
+                    rhs,
+                    #[inline(always)]
+                    |piece, rhs| {
+                        for (rhs, &phi) in rhs.iter_mut().zip(piece.row(phi)) {
+                            *rhs = phi - reference;
+                        }
+                        if let Some(q) = slow {
+                            let net = &mut net[..rhs.len()];
+                            net_outflow(&piece, q, net);
+                            for (rhs, &net) in rhs.iter_mut().zip(net.iter()) {
+                                *rhs -= pull * net;
+                            }
+                        }
+                        if let Some(rate) = source.rate {
+                            let emitted = T::of(emitted);
+                            for (rhs, &w) in rhs.iter_mut().zip(piece.row(rate)) {
+                                *rhs += emitted * w;
+                            }
+                        }
+                        if let Some(fluid) = fluid {
+                            for (rhs, &fluid) in rhs.iter_mut().zip(piece.row(fluid)) {
+                                *rhs = if fluid { *rhs } else { T::ZERO };
+                            }
+                        }
+                        let largest = rhs.iter().fold(T::ZERO, |m, r| m.max(r.abs()));
+                        // A NaN loses every comparison; the sum keeps it.
+                        let poison = row_sum(rhs) * 0.0;
+                        size = Max(size.0.max(largest.f64()) + poison);
+                    },
+                );
+                size
+            },
+        );
         let mut size = size.0;
         if !size.is_finite() {
             return size;
@@ -244,6 +254,7 @@ fn solve<T: Real, const D: usize>(
 pub(crate) const ROW: usize = 512;
 
 /// A row in pieces of at most [`ROW`] cells.
+#[inline(always)]
 pub(crate) fn in_pieces<'l, T, const D: usize>(
     run: &cf_grid::Run<'l, D>,
     row: &mut [T],

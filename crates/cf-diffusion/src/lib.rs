@@ -14,7 +14,8 @@
 //! values of one [`Law`], never different solvers.
 //!
 //! [`Diffusion`] steps a [`State`]: [`Integrator::PaperBe`] is the paper's scheme, [`Integrator::Sdirk2`] its
-//! second-order successor at two solves, [`Integrator::Kdk`] explicit for F_T = 0. Every update is in flux form, so mass
+//! second-order successor at two solves, [`Integrator::Kdk`] explicit for F_T = 0; [`Adaptive`] lets a tolerance choose
+//! the steps of the second. Every update is in flux form, so mass
 //! is exact to rounding at any solver tolerance; walls report what leaves. A [`Medium`] carries phi and q_C
 //! ([`Advection`]). [`exact`] holds the solutions all of it is tested against.
 //!
@@ -39,8 +40,10 @@ pub mod energy;
 pub mod exact;
 pub mod front;
 
+mod adaptive;
 mod balance;
 mod coefficients;
+mod embedded;
 mod error;
 mod explicit;
 mod implicit;
@@ -57,6 +60,7 @@ mod sweeps;
 pub mod verify;
 mod walls;
 
+pub use adaptive::{Adaptive, Controller};
 pub use advect::{AdvectError, Advection, Advector, Transported};
 pub use coefficients::{Coefficients, Kicks, kdk_limit};
 pub use error::LawError;

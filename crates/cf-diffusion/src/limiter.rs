@@ -1,4 +1,4 @@
-//! The slope limiter of the MUSCL schemes (model sections 6.4 and 6.6).
+//! The slope limiter of the MUSCL schemes.
 
 use cf_grid::Real;
 

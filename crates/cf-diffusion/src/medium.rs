@@ -1,5 +1,5 @@
 //! The moving medium that carries φ and q_C: at rest, in uniform motion, or with a velocity on every face
-//! (model section 1: u \[m/s\]).
+//! (paper eqs 8 to 10: u \[m/s\]).
 
 mod make;
 mod survey;

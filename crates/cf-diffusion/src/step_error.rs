@@ -48,6 +48,25 @@ pub enum StepError {
     /// The tolerance is not in (0, 1).
     #[error("expected a solver tolerance between 0 and 1, found {0}")]
     Tolerance(f64),
+    /// Only the two stages of Sdirk2 tell their own error.
+    #[error("{integrator} has no estimate of its own error, which adaptive steps need; use Sdirk2")]
+    NoEstimate {
+        /// The integrator.
+        integrator: &'static str,
+    },
+    /// No step, however short, has an error below the tolerance.
+    #[error(
+        "the tolerance {tolerance} of the steps is out of reach: a step of {dt:e} s still has the error {error:.2e}; \
+         loosen it, tighten the solves, or use f64"
+    )]
+    OutOfReach {
+        /// The tolerance asked for.
+        tolerance: f64,
+        /// The relative error of the last step tried.
+        error: f64,
+        /// That step \[s\].
+        dt: f64,
+    },
     /// A field of another layout.
     #[error("{what} has {found} slots, expected {expected}; make it on the grid of the stepper")]
     Layout {

@@ -1,10 +1,11 @@
 //! One time step: transport by the medium, diffusion, sources, in the order of the chosen splitting.
 
-use cf_grid::{Grid, Mask, Real, Sides, Wall};
+use cf_grid::{Grid, Mask, Real, Sides, Wall, once};
 use cf_linear::{Choice, Plan, Precision};
 
 use crate::advect::{Advection, Advector};
 use crate::balance::Balance;
+use crate::embedded::{self, Embedded};
 use crate::explicit;
 use crate::implicit::{Implicit, Moved};
 use crate::law::Law;
@@ -47,7 +48,8 @@ pub struct Settings {
     pub advection: Advection,
     /// Order of operations.
     pub splitting: Splitting,
-    /// eta: each implicit solve stops at max|r| <= eta max|phi - mean|, which bounds its error (model 5.5).
+    /// eta: each implicit solve stops at max|r| <= eta max|phi - mean|, which bounds its error: all eigenvalues of
+    /// I - beta Lap are at least 1.
     /// Mass is exact at any eta. That E' never grows is not: a step may add a share of E' of the order of eta². Measured per
     /// step, relative to the first E': 8e-12 at 1e-5, 8e-8 at 1e-3.
     pub tolerance: f64,
@@ -106,6 +108,9 @@ pub struct StepReport {
     pub outflow: f64,
     /// Mass emitted by the source \[P m^D\].
     pub emitted: f64,
+    /// Estimated error of the diffusion in time, in the norm sqrt(2E') \[P m^(D/2)\], where it was asked for:
+    /// [`Diffusion::estimate_errors`].
+    pub error: Option<f64>,
 }
 
 /// A stepper of the C-F equations on one domain: scratch, solver and transport, all made once.
@@ -119,6 +124,7 @@ pub struct Diffusion<T, const D: usize> {
     implicit: Option<Implicit<T, D>>,
     advector: Option<Advector<T, D>>,
     balance: Balance,
+    embedded: Option<Embedded<T, D>>,
 }
 
 impl<T: Real, const D: usize> Diffusion<T, D> {
@@ -157,7 +163,16 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         let walls = Walls::new(grid.layout(), sides, mask);
         let implicit = (settings.integrator != Integrator::Kdk)
             .then(|| Implicit::new(&walls, grid.h(), settings.tolerance, settings.precision, settings.plan));
-        Ok(Self { grid: *grid, law, settings, walls, implicit, advector: None, balance: Balance::default() })
+        Ok(Self {
+            grid: *grid,
+            law,
+            settings,
+            walls,
+            implicit,
+            advector: None,
+            balance: Balance::default(),
+            embedded: None,
+        })
     }
 
     /// The law.
@@ -197,6 +212,7 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         open + mask
             + self.implicit.as_ref().map_or(0, Implicit::bytes)
             + self.advector.as_ref().map_or(0, Advector::bytes)
+            + self.embedded.as_ref().map_or(0, Embedded::bytes)
     }
 
     /// Whether the next transport sweeps the last axis first: with the state, all that a resumed run needs.
@@ -215,6 +231,29 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
             Integrator::Kdk => explicit::limit::<D>(&self.law, self.grid.h()),
             _ => f64::INFINITY,
         }
+    }
+
+    /// Whether steps estimate their own error from now on: [`StepReport::error`], e = 1/2 ||K2 - K1|| of the two stages of
+    /// Sdirk2. It costs no solve, but one more state of memory and 7 passes for each of its fields.
+    ///
+    /// # Errors
+    /// [`StepError::NoEstimate`] for the other integrators.
+    pub fn estimate_errors(&mut self, on: bool) -> Result<(), StepError> {
+        match self.settings.integrator {
+            _ if !on => self.embedded = None,
+            Integrator::Sdirk2 => {
+                let (grid, law) = (&self.grid, &self.law);
+                self.embedded.get_or_insert_with(|| Embedded::new(grid, law));
+            }
+            Integrator::PaperBe => return Err(StepError::NoEstimate { integrator: "PaperBe" }),
+            Integrator::Kdk => return Err(StepError::NoEstimate { integrator: "Kdk" }),
+        }
+        Ok(())
+    }
+
+    /// The norm sqrt(2E') of a state \[P m^(D/2)\], what [`StepReport::error`] is to be compared with.
+    pub fn norm(&self, state: &State<T, D>) -> f64 {
+        embedded::norm(&self.grid, &self.walls.sides, &self.law, state)
     }
 
     fn transport(&mut self) -> &mut Advector<T, D> {
@@ -242,13 +281,22 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         dt: f64,
         observer: &mut impl Observer,
     ) -> Result<StepReport, StepError> {
+        let c = &COMPILED;
+        once::<Step<T, D>>([&c.0, &c.1, &c.2, &c.3])(self, state, medium, source, dt, observer)
+    }
+
+    fn step_here(
+        &mut self,
+        state: &mut State<T, D>,
+        medium: &Medium<T, D>,
+        source: Source<'_, T>,
+        dt: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<StepReport, StepError> {
         if !(dt.is_finite() && dt >= 0.0) {
             return Err(StepError::TimeStep(dt));
         }
-        if state.slow_flux.is_some() != self.law.has_memory() {
-            return Err(StepError::SlowFlux { found: state.slow_flux.is_some() });
-        }
-        self.check_layout(state, source)?;
+        self.check(state, source)?;
         let mut report = StepReport::default();
         if dt == 0.0 {
             return Ok(report);
@@ -279,7 +327,7 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         source: Source<'_, T>,
         dt: f64,
         report: &mut StepReport,
-        observer: &mut impl Observer,
+        observer: &mut dyn Observer,
     ) -> Result<(), StepError> {
         match (self.settings.splitting, self.settings.integrator) {
             (Splitting::Paper, _) => {
@@ -301,8 +349,11 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         Ok(())
     }
 
-    /// Refuses fields of another layout, which the sweeps could not index.
-    fn check_layout(&self, state: &State<T, D>, source: Source<'_, T>) -> Result<(), StepError> {
+    /// Refuses states of another law, and fields of another layout, which the sweeps could not index.
+    pub(crate) fn check(&self, state: &State<T, D>, source: Source<'_, T>) -> Result<(), StepError> {
+        if state.slow_flux.is_some() != self.law.has_memory() {
+            return Err(StepError::SlowFlux { found: state.slow_flux.is_some() });
+        }
         let expected = self.grid.layout().slots();
         let flux = state.slow_flux.iter().flat_map(|q| q.axes()).map(|q| ("the slow flux", q.len()));
         let rate = source.rate.iter().map(|rate| ("the source", rate.len()));
@@ -318,7 +369,7 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         medium: &Medium<T, D>,
         dt: f64,
         report: &mut StepReport,
-        observer: &mut impl Observer,
+        observer: &mut dyn Observer,
     ) -> Result<(), StepError> {
         observer.begin(Phase::Transport);
         let carried = self.transport().advect(&mut state.phi, state.slow_flux.as_mut(), medium, dt)?;
@@ -334,13 +385,18 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         let layout = self.grid.layout();
         let amount = T::of(source.share * dt);
         let fluid = self.walls.mask.as_ref().map(|m| m.fluid());
-        layout.par_runs(layout.cells_region(), &mut state.phi[..], |run, phi: &mut [T]| {
-            for (i, (phi, &w)) in phi.iter_mut().zip(run.row(rate)).enumerate() {
-                if fluid.is_none_or(|f| f[run.slot() + i]) {
-                    *phi += amount * w;
+        layout.par_runs(
+            layout.cells_region(),
+            &mut state.phi[..],
+            #[inline(always)]
+            |run, phi: &mut [T]| {
+                for (i, (phi, &w)) in phi.iter_mut().zip(run.row(rate)).enumerate() {
+                    if fluid.is_none_or(|f| f[run.slot() + i]) {
+                        *phi += amount * w;
+                    }
                 }
-            }
-        });
+            },
+        );
         report.emitted += self.emitted(rate) * source.share * dt;
     }
 
@@ -363,7 +419,7 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         source: Source<'_, T>,
         dt: f64,
         report: &mut StepReport,
-        observer: &mut impl Observer,
+        observer: &mut dyn Observer,
     ) -> Result<(), StepError> {
         observer.begin(Phase::Diffusion);
         let volume = self.grid.cell_volume();
@@ -375,16 +431,16 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
             report.iterations += moved.statistics.iterations;
             report.residual = report.residual.max(moved.statistics.largest);
         };
-        let Self { walls, law, implicit, .. } = self;
+        let Self { grid, walls, law, implicit, embedded, .. } = self;
         match implicit {
             None => {
-                let limit = explicit::limit::<D>(law, self.grid.h());
+                let limit = explicit::limit::<D>(law, grid.h());
                 let substeps = (dt / limit).ceil().max(1.0);
                 if substeps > MOST_SUBSTEPS {
                     return Err(StepError::Unstable { dt, limit });
                 }
                 report.substeps += substeps as usize;
-                count(explicit::advance(walls, self.grid.h(), law, state, source, dt, substeps as usize)?, 1.0);
+                count(explicit::advance(walls, grid.h(), law, state, source, dt, substeps as usize)?, 1.0);
             }
             Some(stages) if self.settings.integrator == Integrator::PaperBe => {
                 count(stages.stage(walls, law, state, source, dt, 1.0)?, 1.0);
@@ -395,15 +451,36 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
                 // the second stage in place.
                 let gamma = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
                 let stretch = (1.0 - gamma) / gamma;
+                if let Some(embedded) = embedded {
+                    embedded.begin(grid, &walls.sides, state);
+                }
                 count(stages.stage(walls, law, state, source, gamma * dt, stretch)?, stretch);
+                if let Some(embedded) = embedded {
+                    embedded.between(grid, &walls.sides, state, gamma);
+                }
                 count(stages.stage(walls, law, state, source, gamma * dt, 1.0)?, 1.0);
                 report.solves += 2;
+                report.error = embedded.as_mut().map(|e| e.end(grid, &walls.sides, law, state, gamma));
             }
         }
         observer.end(Phase::Diffusion);
         Ok(())
     }
 }
+
+/// A step of one precision and dimension.
+type Step<T, const D: usize> = fn(
+    &mut Diffusion<T, D>,
+    &mut State<T, D>,
+    &Medium<T, D>,
+    Source<'_, T>,
+    f64,
+    &mut dyn Observer,
+) -> Result<StepReport, StepError>;
+
+/// Steps are compiled here, once, and not again in every crate that makes some.
+static COMPILED: (Step<f32, 2>, Step<f64, 2>, Step<f32, 3>, Step<f64, 3>) =
+    (Diffusion::step_here, Diffusion::step_here, Diffusion::step_here, Diffusion::step_here);
 
 /// More explicit sub-steps than this in one step are refused: an implicit integrator is faster by far.
 const MOST_SUBSTEPS: f64 = 1e5;

@@ -15,26 +15,31 @@ pub(crate) fn update_flux<T: Real, const D: usize>(
 ) {
     let layout = walls.layout;
     let (keep, gain) = (T::of(keep), T::of(gain));
-    layout.par_runs(layout.cells_region(), q.axes_mut(), |run, rows: [&mut [T]; D]| {
-        let c = run.row(x);
-        for (a, row) in rows.into_iter().enumerate() {
-            let low = run.low(a, x);
-            match &walls.open {
-                None => {
-                    for ((q, &c), &l) in row.iter_mut().zip(c).zip(low) {
-                        *q = keep * *q - gain * (c - l);
+    layout.par_runs(
+        layout.cells_region(),
+        q.axes_mut(),
+        #[inline(always)]
+        |run, rows: [&mut [T]; D]| {
+            let c = run.row(x);
+            for (a, row) in rows.into_iter().enumerate() {
+                let low = run.low(a, x);
+                match &walls.open {
+                    None => {
+                        for ((q, &c), &l) in row.iter_mut().zip(c).zip(low) {
+                            *q = keep * *q - gain * (c - l);
+                        }
                     }
-                }
-                Some(open) => {
-                    for (((q, &c), &l), &open) in row.iter_mut().zip(c).zip(low).zip(run.row(open.axis(a))) {
-                        // Chosen, not multiplied: what a solid cell holds is nobody's business.
-                        let step = if open > T::ZERO { c - l } else { T::ZERO };
-                        *q = keep * *q - gain * step;
+                    Some(open) => {
+                        for (((q, &c), &l), &open) in row.iter_mut().zip(c).zip(low).zip(run.row(open.axis(a))) {
+                            // Chosen, not multiplied: what a solid cell holds is nobody's business.
+                            let step = if open > T::ZERO { c - l } else { T::ZERO };
+                            *q = keep * *q - gain * step;
+                        }
                     }
                 }
             }
-        }
-    });
+        },
+    );
 }
 
 /// Sum over the axes of q_high - q_low for a row.

@@ -1,4 +1,4 @@
-//! The surface of the box as the steps see it (model/diffusion.md section 4).
+//! The surface of the box as the steps see it.
 //!
 //! | wall | operator | right-hand side | q_C on the face |
 //! |---|---|---|---|

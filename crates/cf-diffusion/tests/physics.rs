@@ -1,4 +1,4 @@
-//! Walls, sources and fronts against closed forms and the tables of model/diffusion.md.
+//! Walls, sources and fronts against closed forms.
 
 mod common;
 
@@ -79,7 +79,7 @@ fn reflection(tau: f64, wall: Wall, integrator: Integrator) -> f64 {
 #[test]
 fn absorbing_walls_let_waves_out() {
     for integrator in [Integrator::Kdk, Integrator::Sdirk2] {
-        // model/diffusion.md section 4, for a longer way: 1.1 %, 2.4 %, 2.5 % against 100 %, 38 %, 4 % with a closed wall.
+        // Measured over a longer way: 1.1 %, 2.4 %, 2.5 % against 100 %, 38 %, 4 % with a closed wall.
         for (tau, most, closed_at_least) in [(1e6, 0.02, 0.9), (1.0, 0.035, 0.38), (0.1, 0.07, 0.08)] {
             let absorbed = reflection(tau, Wall::Absorbing { speed: 1.0, far: 0.0 }, integrator);
             let closed = reflection(tau, Wall::CLOSED, integrator);
@@ -107,7 +107,6 @@ fn front(integrator: Integrator, courant: f64, n: usize) -> (f64, f64) {
 
 #[test]
 fn fronts_are_those_of_the_table() {
-    // model/diffusion.md 6.4.
     let (be, sdirk, kdk) = (Integrator::PaperBe, Integrator::Sdirk2, Integrator::Kdk);
     for (integrator, courant, n, expected) in [
         (be, 4.0, 100, 5.1e-2),
@@ -148,7 +147,7 @@ fn gaussian(law: Law, integrator: Integrator, steps: usize, sigma: f64) -> f64 {
 
 #[test]
 fn gaussians_are_those_of_the_table() {
-    // model/diffusion.md 6.1, k = 0.04.
+    // k = 0.04.
     let (be, sdirk, kdk) = (Integrator::PaperBe, Integrator::Sdirk2, Integrator::Kdk);
     for (tau, share, integrator, steps, expected) in [
         (1.0, 0.0, be, 40, 1.8e-1),

@@ -1,7 +1,11 @@
 //! One axis of a level: cell widths, face conductances, and how it coarsens.
 //!
 //! Levels are tensor products of axes. Coarsening joins cells in pairs; the last cell of an odd axis stays alone with
-//! its true width, so that coarse boxes have exactly the extent of fine ones. Lengths are in units of the fine spacing h.
+//! its true extent, so that coarse boxes have exactly the extent of fine ones. Lengths are in units of the fine spacing h.
+//!
+//! A lone cell stands for more than itself: interpolation spreads its value over part of the pair beside it. Its weight
+//! in masses and in conductances across the axis is Pᵀ of the fine ones (for pairs of equal cells that is their sum), or
+//! coarse corrections that vary across the axis would be too large there, several times on coarse levels.
 
 /// Widths and conductances of one axis.
 #[derive(Debug, Clone, PartialEq)]
@@ -9,7 +13,9 @@ pub(crate) struct AxisTable {
     pub periodic: bool,
     /// kappa = beta/h²: conductance of a unit length.
     pub kappa: f64,
-    /// Width of each cell.
+    /// Length of each cell.
+    pub extent: Vec<f64>,
+    /// Length that each cell stands for in masses and conductances across the axis.
     pub width: Vec<f64>,
     /// Conductance of each face per unit area, n + 1 entries; the ends are walls (or twice the seam).
     pub face: Vec<f64>,
@@ -22,6 +28,8 @@ pub(crate) struct Interpolation {
     pub coarsened: bool,
     pub own: Vec<f64>,
     pub other: Vec<f64>,
+    /// Part of each fine cell that the coarse neighbour on its side stands for: not zero beside a lone cell.
+    pub lent: Vec<f64>,
 }
 
 impl AxisTable {
@@ -34,16 +42,16 @@ impl AxisTable {
             None if n == 1 => face.fill(0.0),
             None => {}
         }
-        Self { periodic: walls.is_none(), kappa, width: vec![1.0; n], face }
+        Self { periodic: walls.is_none(), kappa, extent: vec![1.0; n], width: vec![1.0; n], face }
     }
 
     pub fn len(&self) -> usize {
         self.width.len()
     }
 
-    fn centres(width: &[f64]) -> Vec<f64> {
+    fn centres(extent: &[f64]) -> Vec<f64> {
         let mut edge = 0.0;
-        width
+        extent
             .iter()
             .map(|w| {
                 edge += w;
@@ -56,12 +64,15 @@ impl AxisTable {
     pub fn coarsen(&self) -> (Self, Interpolation) {
         let n = self.len();
         if n == 1 {
-            return (self.clone(), Interpolation { coarsened: false, own: vec![1.0], other: vec![0.0] });
+            return (
+                self.clone(),
+                Interpolation { coarsened: false, own: vec![1.0], other: vec![0.0], lent: vec![0.0] },
+            );
         }
-        let width: Vec<f64> = self.width.chunks(2).map(|pair| pair.iter().sum()).collect();
-        let m = width.len();
-        let (fine, coarse) = (Self::centres(&self.width), Self::centres(&width));
-        let length: f64 = self.width.iter().sum();
+        let extent: Vec<f64> = self.extent.chunks(2).map(|pair| pair.iter().sum()).collect();
+        let m = extent.len();
+        let (fine, coarse) = (Self::centres(&self.extent), Self::centres(&extent));
+        let length: f64 = self.extent.iter().sum();
         let mut face = vec![0.0; m + 1];
         for i in 1..m {
             face[i] = self.kappa / (coarse[i] - coarse[i - 1]);
@@ -99,9 +110,21 @@ impl AxisTable {
                 None => {}
             }
         }
+        let mut lent = vec![0.0; n];
+        if n % 2 == 1 {
+            lent[n - 2] = other[n - 2];
+            if self.periodic {
+                lent[0] = other[0];
+            }
+        }
+        let mut width = vec![0.0; m];
+        for i in 0..n {
+            width[i / 2] += (1.0 - lent[i]) * self.width[i];
+            width[m - 1] += lent[i] * self.width[i];
+        }
         (
-            Self { periodic: self.periodic, kappa: self.kappa, width, face },
-            Interpolation { coarsened: true, own, other },
+            Self { periodic: self.periodic, kappa: self.kappa, extent, width, face },
+            Interpolation { coarsened: true, own, other, lent },
         )
     }
 }
@@ -130,7 +153,8 @@ mod tests {
             let mut axis = AxisTable::new(33, 1.0, walls);
             while axis.len() > 1 {
                 axis = axis.coarsen().0;
-                assert_eq!(axis.width.iter().sum::<f64>(), 33.0);
+                assert_eq!(axis.extent.iter().sum::<f64>(), 33.0);
+                assert!((axis.width.iter().sum::<f64>() - 33.0).abs() < 1e-12);
             }
         }
     }

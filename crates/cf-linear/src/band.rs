@@ -2,7 +2,7 @@
 //!
 //! Coarse cells cut by an obstacle stand for fine cells that may not even be joined, so the coarse correction is poor
 //! there and leaves errors that only smoothing removes. Extra sweeps over a band of cells before and after each smoother
-//! cost little where obstacles are few, and halve the iterations (model/diffusion.md 5.8).
+//! cost little where obstacles are few, and halve the iterations (docs/solver.md).
 
 use cf_grid::{Layout, Real};
 
@@ -36,9 +36,10 @@ impl Band {
             let volume: f64 = (0..D).map(|a| axes[a].width[at.cell[a]]).product();
             let cut = open[at.slot()] < (1.0 - 1e-9) * volume;
             let jump = (0..D).any(|a| {
-                let (i, n) = (at.cell[a], axes[a].len());
+                let i = at.cell[a];
                 let ends = [(i, at.slot()), (i + 1, at.high(a))];
-                if !axes[a].periodic && (i == 0 || i + 1 == n) {
+                // A closed wall has no coefficient.
+                if ends.iter().any(|&(face, _)| axes[a].face[face] == 0.0) {
                     return false;
                 }
                 let [low, high] = ends.map(|(face, slot)| stencil.face[a][slot].f64() / axes[a].face[face]);

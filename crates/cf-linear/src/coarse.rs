@@ -6,9 +6,6 @@ use faer::{Mat, Side};
 
 use crate::level::LevelOperator;
 
-/// Largest coarsest level: a dense solve of this size costs less than a smoothing sweep of the levels above it.
-pub(crate) const LARGEST: usize = 600;
-
 /// A factored coarsest operator.
 pub(crate) struct CoarseSolver<const D: usize> {
     layout: Layout<D>,

@@ -2,7 +2,7 @@
 //!
 //! Where no wall conducts, each connected component has the eigenvector 1 with eigenvalue alpha. Its part of the
 //! solution is mean(b)/alpha; the solver only sees what is left, so pure Poisson problems are solvable and huge kappa
-//! loses nothing in `f32` (model/diffusion.md 5.6, 5.7).
+//! loses nothing in `f32`.
 
 use cf_grid::{Layout, Real};
 
@@ -37,6 +37,14 @@ impl Deflation {
             Self::Whole
         } else {
             Self::None
+        }
+    }
+
+    /// Bytes of flags and lists.
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::None | Self::Whole => 0,
+            Self::Components(c) => c.main.len() + c.others.iter().map(|slots| size_of_val(&slots[..])).sum::<usize>(),
         }
     }
 

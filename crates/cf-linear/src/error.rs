@@ -34,6 +34,20 @@ pub enum SolveError {
         /// The value found.
         value: f64,
     },
+    /// alpha = kappa = 0: no cell is joined to another one, and only those at walls to anything.
+    #[error("expected alpha > 0 or kappa > 0, found zero for both: nothing determines the solution inside")]
+    Empty,
+    /// Coefficients too far apart for the number type.
+    #[error(
+        "alpha and kappa add up to {inner:.3e} inside, but to {largest:.3e} at the strongest wall or share; \
+         weaken that, or use f64"
+    )]
+    Spread {
+        /// Diagonal of an inner cell.
+        inner: f64,
+        /// Bound of the largest diagonal.
+        largest: f64,
+    },
     /// A field, mask or share of another layout.
     #[error("expected {what} of {expected} slots, found {found}; it must come from the operator's layout")]
     Length {

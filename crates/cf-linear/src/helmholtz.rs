@@ -13,8 +13,8 @@ use crate::stencil::{BoxStencil, StoredStencil};
 ///
 /// A wall face has an outer value of zero and its own conductance: 0 closed, 2 kappa for a held value half a cell away,
 /// dt c/h for an absorbing wall. Inhomogeneous parts belong into the right-hand side. A periodic axis of one cell has no
-/// faces. A is symmetric and, for alpha > 0, positive definite with row sums >= alpha (model/diffusion.md sections 3 to
-/// 5). Solid cells are outside the system: their right-hand side is not read and their solution is zero.
+/// faces. A is symmetric and, for alpha > 0, positive definite with row sums >= alpha (docs/paper-map.md).
+/// Solid cells are outside the system: their right-hand side is not read and their solution is zero.
 ///
 /// Nothing is checked here: [`Solver::new`](crate::Solver::new) refuses coefficients that are negative or not finite.
 #[derive(Debug, Clone)]
@@ -116,6 +116,11 @@ impl<'m, const D: usize> Helmholtz<'m, D> {
         largest
     }
 
+    /// The diagonal of a cell far from walls, where shares are 1, but not more than [`scale`](Self::scale).
+    pub(crate) fn inner(&self) -> f64 {
+        (self.alpha + 2.0 * D as f64 * self.kappa).min(self.scale())
+    }
+
     /// Refuses what no solver can use.
     pub(crate) fn check(&self) -> Result<(), SolveError> {
         let refuse = |name, value| Err(SolveError::Coefficient { name, value });
@@ -158,7 +163,7 @@ impl<'m, const D: usize> Helmholtz<'m, D> {
             }
         }
         match self.scale() {
-            0.0 => refuse("alpha + kappa > 0", 0.0),
+            _ if self.alpha == 0.0 && self.kappa == 0.0 => Err(SolveError::Empty),
             scale if !scale.is_finite() => refuse("alpha + 2 D kappa", scale),
             _ => Ok(()),
         }

@@ -116,13 +116,13 @@ impl<T: Real, const D: usize> LevelOperator<T, D> {
         )
     }
 
-    /// What `finish` makes of b - A x, chunk by chunk, without storing it: `fill` writes b. `finish` gets x too. The rim
+    /// What `finish` makes of x, diagonal · x and b - A x, chunk by chunk, without storing them: `fill` writes b. The rim
     /// of `x` is overwritten along periodic axes.
     pub fn deficit<S: Reduce>(
         &self,
         x: &mut [T],
         fill: impl Fn(&Run<'_, D>, &mut [T]) + Sync,
-        finish: impl Fn(&[T], &[T]) -> S + Sync,
+        finish: impl Fn([&[T]; 3]) -> S + Sync,
     ) -> S {
         self.wrap(x);
         let x = &*x;
@@ -137,7 +137,7 @@ impl<T: Real, const D: usize> LevelOperator<T, D> {
         stencil: &impl Stencil<T, D>,
         x: &[T],
         fill: impl Fn(&Run<'_, D>, &mut [T]) + Sync,
-        finish: impl Fn(&[T], &[T]) -> S + Sync,
+        finish: impl Fn([&[T]; 3]) -> S + Sync,
     ) -> S {
         const CHUNK: usize = 256;
         self.layout.par_runs(
@@ -145,7 +145,7 @@ impl<T: Real, const D: usize> LevelOperator<T, D> {
             (),
             #[inline(always)]
             |run, ()| {
-                let (mut chunk, mut total) = ([T::ZERO; CHUNK], S::default());
+                let (mut chunk, mut weighted, mut total) = ([T::ZERO; CHUNK], [T::ZERO; CHUNK], S::default());
                 for first in (0..run.len()).step_by(CHUNK) {
                     let part = run.part(first, CHUNK.min(run.len() - first));
                     let r = &mut chunk[..part.len()];
@@ -158,7 +158,9 @@ impl<T: Real, const D: usize> LevelOperator<T, D> {
                         #[inline(always)]
                         |ax, b| b - ax,
                     );
-                    total = total.merge(finish(part.row(x), r));
+                    let weighted = &mut weighted[..part.len()];
+                    stencil.weigh(&part, part.row(x), weighted);
+                    total = total.merge(finish([part.row(x), weighted, r]));
                 }
                 total
             },

@@ -12,8 +12,8 @@
 //!   coefficients store face weights, and cells near obstacles are smoothed more often (`band`).
 //! * Where no wall conducts, the constant part of the solution is exact and the iteration sees only the deviation: pure
 //!   Poisson problems work, and `f32` loses nothing for kappa up to 1e300.
-//! * For alpha = 1 and a residual r: max|x - x_exact| <= max|r| and likewise in the 2-norm, since all rows sum to at
-//!   least 1 (model/diffusion.md 5.5). [`Stop::Largest`] stops on that bound.
+//! * For alpha = 1 and a residual r: max|x - x_exact| <= max|r| and likewise in the 2-norm, since A is an M-matrix whose
+//!   rows all sum to at least 1. [`Stop::Largest`] stops on that bound.
 //! * Every solve returns [`Statistics`] or a [`SolveError`] with the residual reached. Results have the same bits for
 //!   any number of threads.
 //!
@@ -56,7 +56,6 @@ mod transfer;
 
 pub use error::SolveError;
 pub use helmholtz::Helmholtz;
-pub use multigrid::Multigrid;
 pub use plan::{Choice, Plan, chebyshev_count};
 pub use solver::{Options, Precision, Solver};
 pub use stop::{Deviation, Statistics, Stop};

@@ -1,5 +1,6 @@
 //! The preconditioner: one V(1,1) cycle with red-black Gauss-Seidel, colours reversed on the way up, from a zero guess.
-//! It is a symmetric positive definite operator (model/diffusion.md 5.2).
+//! It is a symmetric positive definite operator, as conjugate gradients ask for (Tatebe 1993). One coarse level is
+//! solved by two cycles in a row, which keeps that.
 //!
 //! Levels of uniform coefficients take the two sweeps of [`fused`](crate::fused); levels with stored coefficients, and
 //! those where two cells of one colour meet at a seam, take one sweep per part of the cycle.
@@ -7,7 +8,7 @@
 use cf_grid::{Layout, Real, row_dot, row_sum};
 
 use crate::axis::in_series;
-use crate::coarse::{self, CoarseSolver};
+use crate::coarse::CoarseSolver;
 use crate::deflate::Deflation;
 use crate::fused::{Fused, Products, Scratch};
 use crate::helmholtz::Helmholtz;
@@ -16,7 +17,7 @@ use crate::stencil::{BoxStencil, StoredStencil};
 use crate::transfer::Transfer;
 
 /// Levels, transfers and scratch of one operator, built once and reused for every solve.
-pub struct Multigrid<T, const D: usize> {
+pub(crate) struct Multigrid<T, const D: usize> {
     finest: LevelOperator<T, D>,
     /// `steps[l]` joins level l and l + 1.
     steps: Vec<Step<T, D>>,
@@ -39,6 +40,8 @@ struct Level<T, const D: usize> {
     b: Vec<T>,
     /// Empty where the level is fused.
     scratch: Vec<T>,
+    /// Right-hand side and solution of a second cycle.
+    second: Option<[Vec<T>; 2]>,
 }
 
 /// What the fused sweeps of all levels share.
@@ -50,7 +53,12 @@ struct Work<T> {
 /// Coarsening goes on to about this many cells, where the exact solve is free.
 const SMALL: usize = 64;
 
-/// Below this local kappa two symmetric sweeps solve a level as well as anything (model/diffusion.md 5.4).
+/// The level of a three-dimensional box that is solved by two cycles in a row, counted from the finest: what the levels
+/// below leave, odd ones above all, would cost an iteration, and this costs a fifth of a pass (docs/solver.md). Over
+/// obstacles a cycle may overshoot by more than a factor of two, where two in a row are not positive definite any more.
+const TWICE: usize = 2;
+
+/// Below this local kappa two symmetric sweeps solve a level as well as anything (docs/solver.md).
 const WEAK: f64 = 0.5;
 
 impl<T: Real, const D: usize> Multigrid<T, D> {
@@ -68,13 +76,15 @@ impl<T: Real, const D: usize> Multigrid<T, D> {
             if strength < WEAK && cells > SMALL {
                 break None;
             }
-            if cells <= SMALL || current.layout.cells().iter().all(|&n| n == 1) {
-                break CoarseSolver::new(current).filter(|_| cells <= coarse::LARGEST);
+            if cells <= SMALL {
+                break CoarseSolver::new(current);
             }
             let (operator, step) = coarsen(current, &mut open);
             let slots = operator.layout.slots();
             let field = || vec![T::ZERO; slots];
-            coarser.push(Level { x: field(), b: field(), scratch: Vec::new(), operator });
+            let twice = coarser.len() + 1 == TWICE && D == 3 && !helmholtz.is_stored();
+            let second = twice.then(|| [field(), field()]);
+            coarser.push(Level { x: field(), b: field(), scratch: Vec::new(), second, operator });
             steps.push(step);
             strength /= 4.0;
         };
@@ -107,14 +117,10 @@ impl<T: Real, const D: usize> Multigrid<T, D> {
         1 + self.coarser.len()
     }
 
-    /// Whether the coarsest level is solved exactly.
-    pub fn is_exact_below(&self) -> bool {
-        self.coarsest.is_some()
-    }
-
     /// Bytes of coefficients, transfers and level vectors.
     pub fn bytes(&self) -> usize {
-        let levels: usize = self.coarser.iter().map(|l| l.x.len() + l.b.len() + l.scratch.len()).sum();
+        let second = |l: &Level<T, D>| l.second.as_ref().map_or(0, |s| s[0].len() + s[1].len());
+        let levels: usize = self.coarser.iter().map(|l| l.x.len() + l.b.len() + l.scratch.len() + second(l)).sum();
         let own: usize = self.own.iter().map(Vec::len).sum();
         let rings: usize = self.work.threads.iter().map(Vec::len).sum();
         let scales: usize = self.steps.iter().filter_map(|s| s.transfer.renormalise.as_ref()).map(Vec::len).sum();
@@ -150,7 +156,7 @@ impl<T: Real, const D: usize> Cycle<'_, T, D> {
             && let Some(fused) = &step.fused
         {
             fused.descend(b, scale, &mut next.b, &mut work.threads);
-            cycle(&next.operator, &steps[1..], below, coarsest, &next.b, &mut next.x, &mut next.scratch, work);
+            visit(next, &steps[1..], below, coarsest, work);
             let products = fused.ascend(b, scale, &next.x, x, &mut work.sums, &mut work.threads);
             if !products.bx.is_finite() {
                 // What stands between rows is multiplied by zero, which NaN would survive.
@@ -188,6 +194,32 @@ impl<T: Real, const D: usize> Cycle<'_, T, D> {
     }
 }
 
+/// Solves a level below the finest, by one cycle or two.
+fn visit<T: Real, const D: usize>(
+    level: &mut Level<T, D>,
+    steps: &[Step<T, D>],
+    coarser: &mut [Level<T, D>],
+    coarsest: &mut Option<CoarseSolver<D>>,
+    work: &mut Work<T>,
+) {
+    let Level { operator, x, b, scratch, second } = level;
+    cycle(operator, steps, coarser, coarsest, b, x, scratch, work);
+    let Some([rhs, dx]) = second.as_mut().filter(|_| !coarser.is_empty()) else { return };
+    operator.residual(b, x, rhs);
+    cycle(operator, steps, coarser, coarsest, rhs, dx, scratch, work);
+    operator.layout.par_runs(
+        operator.layout.cells_region(),
+        &mut x[..],
+        #[inline(always)]
+        |run, x: &mut [T]| {
+            for (x, &dx) in x.iter_mut().zip(run.row(dx)) {
+                *x += dx;
+            }
+        },
+    );
+    operator.wrap(x);
+}
+
 #[allow(clippy::too_many_arguments)]
 fn cycle<T: Real, const D: usize>(
     operator: &LevelOperator<T, D>,
@@ -214,7 +246,7 @@ fn cycle<T: Real, const D: usize>(
     };
     if let Some(fused) = &step.fused {
         fused.descend(b, 1.0, &mut next.b, &mut work.threads);
-        cycle(&next.operator, rest, below, coarsest, &next.b, &mut next.x, &mut next.scratch, work);
+        visit(next, rest, below, coarsest, work);
         fused.ascend(b, 1.0, &next.x, x, &mut work.sums, &mut work.threads);
         return;
     }
@@ -225,7 +257,7 @@ fn cycle<T: Real, const D: usize>(
     step.transfer.weigh(scratch);
     operator.wrap(scratch);
     step.transfer.restrict(scratch, &mut next.b);
-    cycle(&next.operator, rest, below, coarsest, &next.b, &mut next.x, &mut next.scratch, work);
+    visit(next, rest, below, coarsest, work);
     next.operator.wrap(&mut next.x);
     step.transfer.prolong_add(&next.x, x);
     operator.smooth(b, x, true);
@@ -250,38 +282,58 @@ fn coarsen<T: Real, const D: usize>(
             Coefficients::Uniform(BoxStencil { alpha: s.alpha, axes: axes.clone() })
         }
         Coefficients::Stored(s) => {
-            let stencil = coarsen_stored(fine, s, &axes, &layout);
+            let stencil = coarsen_stored(fine, s, &axes, &transfer);
             transfer.renormalise = Some(renormalisation(fine, s, &stencil, &transfer));
-            *open = sum_children(fine, &layout, |slot| open[slot]);
+            *open = sum_children(&transfer, |slot| open[slot]);
             Coefficients::Stored(stencil)
         }
     };
     (LevelOperator::new(layout, axes, coefficients).with_band(open), Step { transfer, fused })
 }
 
-fn parent<T, const D: usize>(fine: &LevelOperator<T, D>, cell: [usize; D]) -> [usize; D] {
-    std::array::from_fn(|a| if fine.axes[a].len() > 1 { cell[a] / 2 } else { cell[a] })
+/// The coarse cells that stand for a fine cell, and for how much of it, beside axis `skip`.
+fn heirs<T, const D: usize>(
+    transfer: &Transfer<T, D>,
+    cell: [usize; D],
+    skip: Option<usize>,
+) -> impl Iterator<Item = ([usize; D], f64)> + '_ {
+    (0..1usize << D).filter_map(move |bits| {
+        let (mut to, mut part) = (cell, 1.0);
+        for a in 0..D {
+            let (p, beside) = (&transfer.axes[a], bits >> a & 1 == 1);
+            if skip == Some(a) || !p.coarsened {
+                part *= f64::from(u8::from(!beside));
+                continue;
+            }
+            let lent = p.lent[cell[a]];
+            // Only the last cell of an axis is alone.
+            (to[a], part) =
+                if beside { (transfer.coarse.cells()[a] - 1, part * lent) } else { (cell[a] / 2, part * (1.0 - lent)) };
+        }
+        (part > 0.0).then_some((to, part))
+    })
 }
 
-fn sum_children<T: Real, const D: usize>(
-    fine: &LevelOperator<T, D>,
-    coarse: &Layout<D>,
-    value: impl Fn(usize) -> f64,
-) -> Vec<f64> {
-    let mut sum = vec![0.0; coarse.slots()];
-    fine.layout.each_cell(fine.layout.cells_region(), |at| sum[coarse.slot(parent(fine, at.cell))] += value(at.slot()));
+fn sum_children<T: Real, const D: usize>(transfer: &Transfer<T, D>, value: impl Fn(usize) -> f64) -> Vec<f64> {
+    let mut sum = vec![0.0; transfer.coarse.slots()];
+    transfer.fine.each_cell(transfer.fine.cells_region(), |at| {
+        for (to, part) in heirs(transfer, at.cell, None) {
+            sum[transfer.coarse.slot(to)] += part * value(at.slot());
+        }
+    });
     sum
 }
 
 /// Coarse mass = sum of the children's; a coarse face's conductance = sum over the fine faces on it, each with the
-/// resistance of the longer way (model/diffusion.md 5.8).
+/// resistance of the longer way.
 fn coarsen_stored<T: Real, const D: usize>(
     fine: &LevelOperator<T, D>,
     stencil: &StoredStencil<T, D>,
     axes: &[crate::axis::AxisTable; D],
-    layout: &Layout<D>,
+    transfer: &Transfer<T, D>,
 ) -> StoredStencil<T, D> {
-    let mass = sum_children(fine, layout, |slot| stencil.mass[slot].f64());
+    let layout = &transfer.coarse;
+    let mass = sum_children(transfer, |slot| stencil.mass[slot].f64());
     let mut face: [Vec<f64>; D] = std::array::from_fn(|_| vec![0.0; layout.slots()]);
     for a in 0..D {
         let (n, m) = (fine.axes[a].len(), axes[a].len());
@@ -301,16 +353,17 @@ fn coarsen_stored<T: Real, const D: usize>(
             } else if wall {
                 let area: f64 = (0..D).filter(|&o| o != a).map(|o| fine.axes[o].width[at.cell[o]]).product();
                 let end = if i == 0 { 0 } else { n - 1 };
-                let longer = 0.5 * (axes[a].width[if i == 0 { 0 } else { m - 1 }] - fine.axes[a].width[end]);
+                let longer = 0.5 * (axes[a].extent[if i == 0 { 0 } else { m - 1 }] - fine.axes[a].extent[end]);
                 in_series(w, longer, fine.axes[a].kappa * area)
             } else if fine.axes[a].face[i] > 0.0 {
                 w * axes[a].face[to] / fine.axes[a].face[i]
             } else {
                 0.0
             };
-            let mut cell = parent(fine, at.cell);
-            cell[a] = to;
-            face[a][layout.slot(cell)] += w;
+            for (mut cell, part) in heirs(transfer, at.cell, Some(a)) {
+                cell[a] = to;
+                face[a][layout.slot(cell)] += part * w;
+            }
         });
     }
     StoredStencil::new(layout, &mass, &face)

@@ -14,8 +14,10 @@ pub(crate) struct Norms {
     pub largest: f64,
     /// Sum of the residual.
     pub sum: f64,
-    /// Max-norm of the solution it belongs to, the measure of the rounding floor.
+    /// Max-norm of the solution it belongs to.
     pub solution: f64,
+    /// 2-norm and max-norm of diagonal · solution, the measure of the rounding floor, where they were formed.
+    pub weighted: Option<[f64; 2]>,
 }
 
 /// Norms of a residual whose solution is zero.
@@ -26,7 +28,7 @@ pub(crate) fn norms<T: Real, const D: usize>(layout: &Layout<D>, r: &[T]) -> Nor
         #[inline(always)]
         |run, ()| residual_norms(run.row(r)),
     );
-    Norms { two: square.sqrt(), largest: largest.0, sum, solution: 0.0 }
+    Norms { two: square.sqrt(), largest: largest.0, sum, solution: 0.0, weighted: None }
 }
 
 /// Square, sum and largest entry of a row of a residual.

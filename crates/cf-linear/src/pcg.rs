@@ -1,7 +1,6 @@
 //! Preconditioned conjugate gradients on vectors of unit size.
 //!
-//! Dot products are in `f64`. Constants of a conserving operator are kept out of residuals and corrections
-//! (model/diffusion.md 5.6). The cycle returns r·z and z·A z; with them p·A p = z·A z - beta² (p·A p before), since
+//! Dot products are in `f64`. Constants of a conserving operator are kept out of residuals and corrections. The cycle returns r·z and z·A z; with them p·A p = z·A z - beta² (p·A p before), since
 //! successive directions are A-orthogonal (Chronopoulos and Gear 1989), so that neither A p nor its product with p need
 //! a sweep of their own. Where beta is less than one, as a multigrid cycle makes it, nothing is lost by cancellation.
 //!
@@ -84,7 +83,7 @@ pub(crate) fn iterate<T: Real, Z: Real, const D: usize>(
             #[inline(always)]
             |_, r| residual_norms(r),
         );
-        norms = Norms { two: square.sqrt(), largest: largest.0, sum, solution };
+        norms = Norms { two: square.sqrt(), largest: largest.0, sum, solution, weighted: None };
         // Rounding slowly gives the residual a constant part, which no correction can remove.
         let drifted = match deflation {
             Deflation::None => false,

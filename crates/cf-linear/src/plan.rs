@@ -36,7 +36,7 @@ const CHEBYSHEV_PASSES: f64 = 6.0;
 const MULTIGRID_PASSES: f64 = 23.0;
 
 impl Plan {
-    /// Chooses by predicted passes over the data for a residual reduction of `tolerance` (model/diffusion.md 5.3, 5.9).
+    /// Chooses by predicted passes over the data for a residual reduction of `tolerance` (docs/solver.md).
     /// `alpha` and `kappa` as in [`Helmholtz`](crate::Helmholtz); `wall` is the largest wall conductance.
     pub fn choose(dimension: usize, alpha: f64, kappa: f64, wall: f64, tolerance: f64) -> Choice {
         if kappa == 0.0 && wall == 0.0 {
@@ -68,7 +68,7 @@ impl Plan {
     }
 }
 
-/// Iterations per digit of PCG + V(1,1) (model/diffusion.md 5.3: 4 to 8 for six digits).
+/// Iterations per digit of PCG + V(1,1) (4 to 8 for six digits).
 fn multigrid_rate(kappa: f64) -> f64 {
     match kappa {
         k if k < 0.05 => 0.4,
@@ -77,7 +77,8 @@ fn multigrid_rate(kappa: f64) -> f64 {
     }
 }
 
-/// N = acosh(1/tol)/acosh(1 + alpha/(2 d kappa)): iterations of Chebyshev on [alpha, alpha + 4 d kappa] (model 5.3).
+/// N = acosh(1/tol)/acosh(1 + alpha/(2 d kappa)): iterations of Chebyshev on [alpha, alpha + 4 d kappa] (Golub and
+/// Varga 1961).
 pub fn chebyshev_count(dimension: usize, alpha: f64, kappa: f64, tolerance: f64) -> usize {
     chebyshev::count(chebyshev::radius(alpha, 2.0 * dimension as f64 * kappa), tolerance)
 }
@@ -95,8 +96,8 @@ mod tests {
     }
 
     #[test]
-    fn chebyshev_counts_of_the_model() {
-        // Model 5.3, 2D at 1e-6: 4 at kappa .01, 8 at .1, 21 at 1.
+    fn chebyshev_counts_are_those_measured() {
+        // In two dimensions to 1e-6: 4 at kappa .01, 8 at .1, 21 at 1.
         for (kappa, expected) in [(0.01, 4), (0.1, 8), (1.0, 21)] {
             let n = chebyshev_count(2, 1.0, kappa, 1e-6);
             assert!(n.abs_diff(expected) <= 1, "kappa {kappa}: {n}");

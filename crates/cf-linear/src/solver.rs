@@ -1,6 +1,6 @@
 //! The door: a solver for one operator, with its plan, its hierarchy and its scratch.
 
-use cf_grid::{Layout, Max, Real};
+use cf_grid::{Layout, Real, once};
 
 use crate::deflate::Deflation;
 use crate::engine::Engine;
@@ -10,15 +10,15 @@ use crate::norms::largest;
 use crate::pcg::Vectors;
 use crate::plan::{Choice, Plan};
 use crate::stop::{Deviation, Statistics, Stop};
-use crate::task::{Goal, Rhs, Task, unit_of};
+use crate::task::{Goal, Rhs, Task};
 
 /// Precision of the preconditioner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Precision {
     /// That of the vectors.
     Full,
-    /// `f32` V-cycles inside the vectors' precision (model/diffusion.md 5.6): the same iteration counts, half the
-    /// memory traffic.
+    /// `f32` V-cycles inside the vectors' precision, half the memory traffic of the cycle: the same iteration counts, but
+    /// for mazes and coefficients that differ by many orders of magnitude (docs/solver.md).
     Single,
 }
 
@@ -42,27 +42,31 @@ impl Default for Options {
 }
 
 /// Solver of A x = b for one [`Helmholtz`] operator. Vectors are fields of its layout. Everything is allocated here; a
-/// solve allocates nothing that grows with the grid, but a few numbers per pocket of a mask; the first
-/// [`improve`](Self::improve) adds two vectors.
+/// solve allocates nothing that grows with the grid, but a few numbers per pocket of a mask.
 pub struct Solver<T, const D: usize> {
     layout: Layout<D>,
     alpha: f64,
     scale: f64,
     conductance: f64,
+    /// Diagonal of an inner cell.
+    inner: f64,
     choice: Choice,
     options: Options,
     deflation: Deflation,
     fluid: Option<Vec<bool>>,
     engine: Engine<T, D>,
     vectors: Vectors<T>,
-    /// Residual and correction of a warm start.
-    correction: Option<[Vec<T>; 2]>,
 }
 
 impl<T: Real, const D: usize> Solver<T, D> {
     /// Builds plan, hierarchy and scratch. Fails with [`SolveError::Coefficient`] where a number is negative, not finite
-    /// or too large to add up, and with [`SolveError::Length`] where a mask or shares have another layout.
+    /// or too large to add up, with [`SolveError::Spread`] where alpha and kappa vanish beside a wall or a share (by more than
+    /// eps² of `T`), and with [`SolveError::Length`] where a mask or shares have another layout.
     pub fn new(helmholtz: &Helmholtz<'_, D>, options: Options) -> Result<Self, SolveError> {
+        (compiled().make)(helmholtz, options)
+    }
+
+    fn make(helmholtz: &Helmholtz<'_, D>, options: Options) -> Result<Self, SolveError> {
         helmholtz.check()?;
         let wall = helmholtz.walls().walls().map(|(_, _, w)| w).fold(0.0, f64::max);
         let share = helmholtz.largest_share();
@@ -74,18 +78,22 @@ impl<T: Real, const D: usize> Solver<T, D> {
             choice = Choice { plan, reason: format!("as asked (otherwise {choice})") };
         }
         let layout = *helmholtz.layout();
+        let (inner, scale) = (helmholtz.inner(), helmholtz.scale());
+        if inner < T::EPSILON * T::EPSILON * scale {
+            return Err(SolveError::Spread { inner, largest: scale });
+        }
         Ok(Self {
             layout,
             alpha: helmholtz.alpha(),
-            scale: helmholtz.scale(),
+            scale,
             conductance: helmholtz.conductance(),
+            inner,
             engine: Engine::new(helmholtz, choice.plan, options.precision),
             choice,
             options,
             deflation: Deflation::new(helmholtz),
             fluid: helmholtz.mask().map(|m| m.fluid().to_vec()),
             vectors: Vectors::new(&layout),
-            correction: None,
         })
     }
 
@@ -99,14 +107,18 @@ impl<T: Real, const D: usize> Solver<T, D> {
         self.engine.levels()
     }
 
-    /// Bytes held: vectors, hierarchy, stored coefficients.
+    /// Bytes held: vectors, hierarchy, stored coefficients, flags of masks and of their components.
     pub fn bytes(&self) -> usize {
-        let vectors = 2 + 2 * usize::from(self.correction.is_some());
-        vectors * self.layout.slots() * size_of::<T>() + self.engine.bytes()
+        let flags = self.fluid.as_ref().map_or(0, Vec::len) + self.deflation.bytes();
+        2 * self.layout.slots() * size_of::<T>() + self.engine.bytes() + flags
     }
 
     /// y = A x in the units of the caller; the rim of `x` is overwritten along periodic axes. For checks and reports.
     pub fn apply(&self, x: &mut [T], y: &mut [T]) {
+        (compiled().apply)(self, x, y);
+    }
+
+    fn apply_here(&self, x: &mut [T], y: &mut [T]) {
         self.engine.operator().apply(x, y);
         let scale = self.scale;
         self.layout.par_runs(
@@ -121,6 +133,10 @@ impl<T: Real, const D: usize> Solver<T, D> {
 
     /// z = M r, the preconditioner as an operator, for tests of its symmetry; the identity for plans without one.
     pub fn precondition(&mut self, r: &[T], z: &mut [T]) {
+        (compiled().precondition)(self, r, z);
+    }
+
+    fn precondition_here(&mut self, r: &[T], z: &mut [T]) {
         match &mut self.engine {
             Engine::Plain(_) => z.copy_from_slice(r),
             Engine::Same { multigrid, .. } => {
@@ -154,85 +170,15 @@ impl<T: Real, const D: usize> Solver<T, D> {
             Stop::Relative(tolerance) => Goal::Relative(tolerance),
             Stop::Largest(tolerance) => Goal::Largest(tolerance),
         };
-        self.run(b, y, goal)
-    }
-
-    /// Solves A x = b starting from the content of `x`; the criterion stays relative to b, and what is solved is
-    /// A dx = b - A x. The rim of `x` and its solid cells are not read; solid cells are left alone. The statistics are those of the correction, but for `rhs`.
-    pub fn improve(&mut self, b: &[T], x: &mut [T], stop: Stop) -> Result<Statistics, SolveError> {
-        self.check_length("the right-hand side", b)?;
-        self.check_length("the guess", x)?;
-        let layout = self.layout;
-        let cells = layout.cells_region();
-        let mut rhs = Rhs::new(&layout, b, self.fluid.as_deref()).ok_or(NOT_FINITE_RHS)?;
-        let all = rhs.load_deflated(&layout, &self.deflation, &mut self.vectors.r).two * rhs.unit;
-        let [mut residual, mut dx] =
-            self.correction.take().unwrap_or_else(|| [vec![T::ZERO; layout.slots()], vec![T::ZERO; layout.slots()]]);
-        dx.copy_from_slice(x);
-        // What stands in the rim and in solid cells is not part of the guess.
-        layout.clear_rim(&mut dx);
-        if let Some(fluid) = &self.fluid {
-            dx.iter_mut().zip(fluid).for_each(|(x, &fluid)| *x = if fluid { *x } else { T::ZERO });
-        }
-        self.engine.operator().apply(&mut dx, &mut self.vectors.p);
-        // A x may be out of the range of T, so that the residual is formed in f64 and stored in a unit of its own.
-        let (ap, scale) = (&self.vectors.p[..], self.scale);
-        let at = |b: T, ap: T| b.f64() - scale * ap.f64();
-        let size: Max = layout.par_runs(
-            cells,
-            (),
-            #[inline(always)]
-            |run, ()| {
-                let pairs = run.row(b).iter().zip(run.row(ap));
-                match &self.fluid {
-                    None => pairs.fold(Max(0.0), |m, (&b, &ap)| larger(m, at(b, ap))),
-                    Some(fluid) => pairs
-                        .zip(run.row(fluid))
-                        .fold(Max(0.0), |m, ((&b, &ap), &fluid)| if fluid { larger(m, at(b, ap)) } else { m }),
-                }
-            },
-        );
-        let unit = unit_of(size.0);
-        layout.par_runs(
-            cells,
-            &mut residual[..],
-            #[inline(always)]
-            |run, r: &mut [T]| {
-                for ((r, &b), &ap) in r.iter_mut().zip(run.row(b)).zip(run.row(ap)) {
-                    *r = T::of(at(b, ap) / unit);
-                }
-            },
-        );
-        let goal = match stop {
-            Stop::Largest(tolerance) => Goal::Largest(tolerance / unit),
-            Stop::Relative(tolerance) => Goal::Two(tolerance * all / unit),
-        };
-        let outcome = if size.0.is_finite() {
-            self.run(&residual, &mut dx, goal).and_then(|deviation| {
-                let deviation = deviation.times(unit);
-                self.finish_checked(&mut dx, &deviation)?;
-                layout.par_runs(
-                    cells,
-                    &mut *x,
-                    #[inline(always)]
-                    |run, x: &mut [T]| {
-                        for (x, &dx) in x.iter_mut().zip(run.row(&dx)) {
-                            *x += dx;
-                        }
-                    },
-                );
-                self.engine.operator().wrap(x);
-                Ok(Statistics { rhs: all, ..deviation.statistics })
-            })
-        } else {
-            Err(SolveError::NotFinite { what: "guess", iterations: 0 })
-        };
-        self.correction = Some([residual, dx]);
-        outcome
+        (compiled().run)(self, b, y, goal)
     }
 
     /// x = constants + factor · y, in place, with the rim wrapped along periodic axes.
     pub fn finish(&self, y: &mut [T], deviation: &Deviation) {
+        (compiled().finish)(self, y, deviation);
+    }
+
+    fn finish_here(&self, y: &mut [T], deviation: &Deviation) {
         self.deflation.scale_and_shift(&self.layout, y, deviation.factor, &deviation.constants);
         self.engine.operator().wrap(y);
     }
@@ -249,13 +195,18 @@ impl<T: Real, const D: usize> Solver<T, D> {
 
     /// x += constants, per component.
     pub fn add_constants(&self, x: &mut [T], deviation: &Deviation) {
+        (compiled().add_constants)(self, x, deviation);
+    }
+
+    fn add_constants_here(&self, x: &mut [T], deviation: &Deviation) {
         if deviation.constants.iter().any(|&c| c != 0.0) {
             self.deflation.shift(&self.layout, x, &deviation.constants);
         }
     }
 
-    /// The rounding floor of max|r| for a solution of this size, 8 eps (alpha + 4 D kappa) max|x| (model 5.5), with
-    /// 2 D kappa replaced by the largest sum of conductances.
+    /// A bound of the rounding of max|r| for any x with max|x| = `largest`: 8 eps (alpha + 2 W) `largest`, W the largest
+    /// sum of a cell's conductances, 2 D kappa inside. What a solve accepts as its end is judged row by row instead
+    /// ([`Statistics::at_floor`]).
     pub fn floor(&self, largest: f64) -> f64 {
         8.0 * T::EPSILON * (2.0 * self.scale - self.alpha) * largest
     }
@@ -278,7 +229,7 @@ impl<T: Real, const D: usize> Solver<T, D> {
         let unit = rhs.unit;
         let wanted = match goal {
             Goal::Relative(tolerance) => tolerance * start.two,
-            Goal::Two(tolerance) | Goal::Largest(tolerance) => tolerance / unit,
+            Goal::Largest(tolerance) => tolerance / unit,
         };
         let (mut constants, mut removed) = (vec![0.0; rhs.means.len()], vec![0.0; rhs.means.len()]);
         let (target, divisor) = if self.alpha > 0.0 { (&mut constants, self.alpha) } else { (&mut removed, 1.0) };
@@ -291,6 +242,7 @@ impl<T: Real, const D: usize> Solver<T, D> {
             wanted,
             alpha: self.alpha / self.scale,
             conductance: self.conductance / self.scale,
+            inner: self.inner / self.scale,
             limit: self.options.limit,
         };
         let v = &mut self.vectors;
@@ -327,8 +279,36 @@ impl<T: Real, const D: usize> Solver<T, D> {
     }
 }
 
-const NOT_FINITE_RHS: SolveError = SolveError::NotFinite { what: "right-hand side", iterations: 0 };
+type Run<T, const D: usize> = fn(&mut Solver<T, D>, &[T], &mut [T], Goal) -> Result<Deviation, SolveError>;
+type Make<T, const D: usize> = fn(&Helmholtz<'_, D>, Options) -> Result<Solver<T, D>, SolveError>;
 
-fn larger(m: Max, v: f64) -> Max {
-    cf_grid::Reduce::merge(m, Max(v.abs()))
+/// What is compiled here, once, and not again in every crate that solves.
+struct Compiled<T, const D: usize> {
+    make: Make<T, D>,
+    run: Run<T, D>,
+    apply: fn(&Solver<T, D>, &mut [T], &mut [T]),
+    precondition: fn(&mut Solver<T, D>, &[T], &mut [T]),
+    finish: fn(&Solver<T, D>, &mut [T], &Deviation),
+    add_constants: fn(&Solver<T, D>, &mut [T], &Deviation),
 }
+
+impl<T: Real, const D: usize> Compiled<T, D> {
+    const HERE: Self = Self {
+        make: Solver::make,
+        run: Solver::run,
+        apply: Solver::apply_here,
+        precondition: Solver::precondition_here,
+        finish: Solver::finish_here,
+        add_constants: Solver::add_constants_here,
+    };
+}
+
+static COMPILED: (Compiled<f32, 2>, Compiled<f64, 2>, Compiled<f32, 3>, Compiled<f64, 3>) =
+    (Compiled::HERE, Compiled::HERE, Compiled::HERE, Compiled::HERE);
+
+fn compiled<T: Real, const D: usize>() -> &'static Compiled<T, D> {
+    let c = &COMPILED;
+    once([&c.0, &c.1, &c.2, &c.3])
+}
+
+const NOT_FINITE_RHS: SolveError = SolveError::NotFinite { what: "right-hand side", iterations: 0 };

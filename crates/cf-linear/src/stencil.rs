@@ -47,6 +47,9 @@ pub(crate) trait Stencil<T: Real, const D: usize>: Sync {
         f: impl Fn(T, T) -> T + Copy,
     );
 
+    /// out = diagonal · x on a run, `x` its cells.
+    fn weigh(&self, run: &Run<'_, D>, x: &[T], out: &mut [T]);
+
     /// Sets the cells of one colour, (sum of indices) % 2 == `colour`, to the solution of their own equation. `row` is
     /// the padded row of the level: cell `i` is `row[i + 1]`.
     fn relax(&self, run: &Run<'_, D>, row: &mut [T], near: Rows<'_, T, D>, b: &[T], colour: usize);
@@ -75,7 +78,7 @@ struct RowWeights<T, const D: usize> {
 impl<const D: usize> BoxStencil<D> {
     #[inline(always)]
     fn row_weights<T: Real>(&self, run: &Run<'_, D>) -> RowWeights<T, D> {
-        let inner = self.axes[0].width[0];
+        let inner = self.bulk_width();
         let (mut low, mut high, mut area) = ([0.0; D], [0.0; D], 1.0);
         for a in 1..D {
             let mut across = inner;
@@ -105,6 +108,13 @@ impl<const D: usize> BoxStencil<D> {
         }
     }
 
+    /// Width along x of all cells but the first and the last two.
+    #[inline(always)]
+    fn bulk_width(&self) -> f64 {
+        let width = &self.axes[0].width;
+        width[1.min(width.len() - 1)]
+    }
+
     /// Cells whose two x faces and width are those of the bulk.
     #[inline(always)]
     fn inner(&self, run: &Run<'_, D>) -> std::ops::Range<usize> {
@@ -117,7 +127,7 @@ impl<const D: usize> BoxStencil<D> {
     #[inline(always)]
     fn edge(&self, i: usize, area: f64) -> (f64, f64, f64) {
         let x = &self.axes[0];
-        (x.width[i] / x.width[0], x.face[i] * area, x.face[i + 1] * area)
+        (x.width[i] / self.bulk_width(), x.face[i] * area, x.face[i + 1] * area)
     }
 
     /// Solution of the equation of cell `i` (entry `t` of the run) near the ends of a row.
@@ -258,6 +268,29 @@ impl<T: Real, const D: usize> Stencil<T, D> for BoxStencil<D> {
     }
 
     #[inline(always)]
+    fn weigh(&self, run: &Run<'_, D>, x: &[T], out: &mut [T]) {
+        let w = self.row_weights::<T>(run);
+        let diagonal = T::of(w.diagonal + 2.0 * w.x.f64());
+        each(
+            run,
+            self.axes[0].len(),
+            out,
+            |v, _| v,
+            #[inline(always)]
+            |t, values| {
+                for (v, &x) in values.iter_mut().zip(&x[t..]) {
+                    *v = diagonal * x;
+                }
+            },
+            #[inline(always)]
+            |i, t| {
+                let (scale, wl, wr) = self.edge(i, w.area);
+                T::of(scale * w.diagonal + wl + wr) * x[t]
+            },
+        );
+    }
+
+    #[inline(always)]
     fn relax(&self, run: &Run<'_, D>, row: &mut [T], near: Rows<'_, T, D>, b: &[T], colour: usize) {
         let w = self.row_weights::<T>(run);
         let first = run.cell[0];
@@ -378,6 +411,13 @@ impl<T: Real, const D: usize> Stencil<T, D> for StoredStencil<T, D> {
                 sum += wl[a][i] * near.low[a][i] + wh[a][i] * near.high[a][i];
             }
             out[i] = f(inverse[i] * sum, out[i]);
+        }
+    }
+
+    #[inline(always)]
+    fn weigh(&self, run: &Run<'_, D>, x: &[T], out: &mut [T]) {
+        for ((out, &x), &inverse) in out.iter_mut().zip(x).zip(run.row(&self.inverse)) {
+            *out = if inverse > T::ZERO { x / inverse } else { T::ZERO };
         }
     }
 

@@ -5,7 +5,7 @@
 pub enum Stop {
     /// ‖r‖₂ <= tolerance · ‖b‖₂, b without the constants that are removed exactly.
     Relative(f64),
-    /// max|r| <= tolerance. For alpha = 1 this bounds the error: max|x - x_exact| <= max|r| (model/diffusion.md 5.5).
+    /// max|r| <= tolerance. For alpha = 1 this bounds the error: max|x - x_exact| <= max|r|.
     Largest(f64),
 }
 
@@ -20,8 +20,9 @@ pub struct Statistics {
     pub residual: f64,
     /// max|r| reached.
     pub largest: f64,
-    /// The residual is above the tolerance, but at the rounding floor 8 eps (alpha + 4 D kappa) max|x| (for conserving
-    /// operators max|x - mean|).
+    /// The residual is above the tolerance, but no larger than rounding explains row by row: 4 eps ‖diagonal · x‖ in the
+    /// norm of the criterion (of x - mean for conserving operators), so that a strong wall or a large share counts only
+    /// where it is. Going on from the true residual did not halve it any more.
     pub at_floor: bool,
 }
 
@@ -39,16 +40,4 @@ pub struct Deviation {
     pub statistics: Statistics,
     /// max|y|.
     pub size: f64,
-}
-
-impl Deviation {
-    /// The same in a larger unit.
-    pub(crate) fn times(mut self, unit: f64) -> Self {
-        self.factor *= unit;
-        self.constants.iter_mut().chain(&mut self.removed).for_each(|c| *c *= unit);
-        self.statistics.rhs *= unit;
-        self.statistics.residual *= unit;
-        self.statistics.largest *= unit;
-        self
-    }
 }

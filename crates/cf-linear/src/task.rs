@@ -15,8 +15,6 @@ use crate::pcg::{self, Vectors};
 pub(crate) enum Goal {
     /// ‖r‖₂ against ‖b‖₂.
     Relative(f64),
-    /// ‖r‖₂.
-    Two(f64),
     /// max|r|.
     Largest(f64),
 }
@@ -24,14 +22,14 @@ pub(crate) enum Goal {
 impl Goal {
     pub fn tolerance(self) -> f64 {
         match self {
-            Goal::Relative(t) | Goal::Two(t) | Goal::Largest(t) => t,
+            Goal::Relative(t) | Goal::Largest(t) => t,
         }
     }
 
     /// The norm it is about.
     pub fn measure(self, norms: Norms) -> f64 {
         match self {
-            Goal::Relative(_) | Goal::Two(_) => norms.two,
+            Goal::Relative(_) => norms.two,
             Goal::Largest(_) => norms.largest,
         }
     }
@@ -111,7 +109,7 @@ impl<'a, T: Real> Rhs<'a, T> {
             let negative: Vec<f64> = self.means.iter().map(|m| -m).collect();
             deflation.shift(layout, r, &negative);
         }
-        Norms { two: square.sqrt(), largest: largest.0, sum, solution: 0.0 }
+        Norms { two: square.sqrt(), largest: largest.0, sum, solution: 0.0, weighted: None }
     }
 
     /// Writes it to `r` after taking the means out of it.
@@ -172,7 +170,7 @@ fn scaled_sum<T: Real>(b: &[T], scale: f64) -> f64 {
 }
 
 /// The largest power of two that is at most `largest`, within the range whose inverse is finite.
-pub(crate) fn unit_of(largest: f64) -> f64 {
+fn unit_of(largest: f64) -> f64 {
     if largest > 0.0 { 2f64.powi((largest.log2().floor() as i32).clamp(-1022, 1023)) } else { 1.0 }
 }
 
@@ -187,6 +185,8 @@ pub(crate) struct Task<'a, T, const D: usize> {
     /// alpha/scale and the largest sum of a cell's conductances/scale.
     pub alpha: f64,
     pub conductance: f64,
+    /// The diagonal of an inner cell/scale, where shares are 1.
+    pub inner: f64,
     pub limit: usize,
 }
 
@@ -205,23 +205,20 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
         self.measure(norms) <= self.wanted
     }
 
-    /// A bound of the rounding of A y and of the right-hand side in the goal's norm (model/diffusion.md 5.5).
+    /// The rounding of A y and of the right-hand side in the goal's norm: that of every row counts by its own diagonal.
+    /// Zero where the norms of diagonal · y are not known.
     fn floor(&self, norms: Norms) -> f64 {
-        let floor = T::EPSILON * (8.0 * (2.0 - self.alpha) * norms.solution + 0.125 * self.rhs.offset());
+        let (cells, offset) = (self.layout.count() as f64, T::EPSILON * 0.125 * self.rhs.offset());
+        let [two, largest] = norms.weighted.unwrap_or_default();
         match self.goal {
-            Goal::Largest(_) => floor,
-            Goal::Relative(_) | Goal::Two(_) => floor * (self.layout.count() as f64).sqrt(),
+            Goal::Largest(_) => T::EPSILON * FLOOR * largest + offset,
+            Goal::Relative(_) => T::EPSILON * FLOOR * two + offset * cells.sqrt(),
         }
     }
 
     /// A residual that may be rounding and nothing else.
     pub fn at_floor(&self, norms: Norms) -> bool {
         self.measure(norms) <= self.floor(norms)
-    }
-
-    /// True residuals end well above this: they are often smaller than the bound, but not by two digits.
-    fn hopeless(&self, norms: Norms) -> bool {
-        self.measure(norms) <= 0.01 * self.floor(norms)
     }
 
     /// Worth going on; not with NaN.
@@ -310,8 +307,16 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
         start: Norms,
     ) -> (usize, Norms) {
         let (mut total, mut reached) = (0, start);
+        // Norm of diagonal · y per max|y|: that of inner cells until the first true residual tells.
+        let cells = self.layout.count() as f64;
+        let mut weights = [self.inner * cells.sqrt(), self.inner];
         for restart in 0..RESTARTS {
-            let done = |n: Norms| self.met(n) || self.hopeless(n) || !n.two.is_finite();
+            // Below rounding no true residual follows. After a restart a margin is left for what it may stay behind.
+            let margin = if restart == 0 { 1.0 } else { 0.5 };
+            let done = |n: Norms| {
+                let rounding = self.floor(Norms { weighted: Some(weights.map(|w| w * n.solution)), ..n });
+                self.measure(n) <= (margin * self.wanted).max(HOPELESS * rounding) || !n.two.is_finite()
+            };
             let left = self.limit.saturating_sub(total);
             let (alpha, deflation) = (self.alpha, self.deflation);
             let fresh = restart == 0;
@@ -321,6 +326,9 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
             }
             total += made;
             let before = std::mem::replace(&mut reached, self.true_residual(operator, y, v));
+            if let Some(weighted) = reached.weighted {
+                weights = weighted.map(|w| w / reached.solution.max(f64::MIN_POSITIVE));
+            }
             if self.met(reached) || total >= self.limit || !self.halved(before, reached) {
                 break;
             }
@@ -333,7 +341,7 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
                 |_, _| (),
             );
             deflation.project(&self.layout, &mut v.r);
-            reached = Norms { solution: reached.solution, ..norms(&self.layout, &v.r) };
+            reached = Norms { solution: reached.solution, weighted: reached.weighted, ..norms(&self.layout, &v.r) };
         }
         (total, reached)
     }
@@ -362,16 +370,28 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
         ))
     }
 
-    fn norms_of(&self, ((square, sum, largest), solution): ((f64, f64, Max), Max)) -> Norms {
-        Norms { two: square.sqrt(), largest: largest.0, sum, solution: solution.0 }
+    fn norms_of(&self, (residual, weighted, solution): Measured) -> Norms {
+        let ([(square, sum, largest), (weight, _, heaviest)], solution) = ([residual, weighted], solution.0);
+        let weighted = Some([weight.sqrt(), heaviest.0]);
+        Norms { two: square.sqrt(), largest: largest.0, sum, solution, weighted }
     }
 }
 
-/// What norms take from a row of a solution and its residual.
+/// Sums for the norms of a residual r and of diagonal · y, and max|y|.
+type Measured = ((f64, f64, Max), (f64, f64, Max), Max);
+
+/// What norms take from a row of y, diagonal · y and r.
 #[inline(always)]
-fn measure<T: Real>(y: &[T], r: &[T]) -> ((f64, f64, Max), Max) {
-    (residual_norms(r), Max(row_largest(y)))
+fn measure<T: Real>([y, weighted, r]: [&[T]; 3]) -> Measured {
+    (residual_norms(r), residual_norms(weighted), Max(row_largest(y)))
 }
+
+/// The largest true residual that counts as rounding, in units of eps |diagonal · y|. Where PCG cannot go on it ends at
+/// a third to a half of that unit (docs/solver.md).
+const FLOOR: f64 = 4.0;
+
+/// True residuals end above this part of the floor.
+const HOPELESS: f64 = 0.05;
 
 /// Times PCG goes on from the true residual.
 const RESTARTS: usize = 4;

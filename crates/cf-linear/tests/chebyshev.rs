@@ -1,4 +1,4 @@
-//! Chebyshev: the count is the closed form, and the table of model/diffusion.md 5.3.
+//! Chebyshev: the count is the closed form.
 
 use cf_linear::{Options, Plan, Solver, Stop, chebyshev_count};
 

@@ -15,18 +15,22 @@ fn solve<const D: usize>(cells: [usize; D], mix: [Mix; D], alpha: f64, kappa: f6
     }
 }
 
+/// In f64, and with cycles in f32 for the strong kappa.
 fn worst<const D: usize>(cells: [usize; D], mixes: &[[Mix; D]], allowed: usize) {
     let mut worst = (0, String::new());
     for &mix in mixes {
-        for kappa in [1e-6, 1e-3, 0.1, 1.0, 10.0, 1e3, 1e5, 1e8, 1e12] {
-            let n = solve(cells, mix, 1.0, kappa, Precision::Full);
-            if n > worst.0 {
-                worst = (n, format!("{mix:?} kappa {kappa:e}"));
+        for (alpha, kappa) in
+            [1e-6, 1e-3, 0.1, 1.0, 10.0, 1e3, 1e5, 1e8, 1e12].map(|k| (1.0, k)).into_iter().chain([(0.0, 1.0)])
+        {
+            for precision in [Precision::Full, Precision::Single] {
+                if precision == Precision::Single && alpha > 0.0 && kappa != 1e5 {
+                    continue;
+                }
+                let n = solve(cells, mix, alpha, kappa, precision);
+                if n > worst.0 {
+                    worst = (n, format!("{mix:?} alpha {alpha} kappa {kappa:e} {precision:?}"));
+                }
             }
-        }
-        let n = solve(cells, mix, 0.0, 1.0, Precision::Full);
-        if n > worst.0 {
-            worst = (n, format!("{mix:?} Poisson"));
         }
     }
     println!("{cells:?}: {} at {}", worst.0, worst.1);
@@ -42,11 +46,24 @@ fn even_boxes_need_at_most_8() {
     worst([64, 32, 16], &mixes_3d(), 8);
 }
 
+/// Sizes whose halves are soon odd.
+#[test]
+fn even_boxes_of_odd_halves_need_at_most_8() {
+    worst([66, 66], &mixes_2d(), 8);
+    worst([130, 50], &mixes_2d(), 8);
+    worst([1000, 34], &mixes_2d()[..10], 8);
+    worst([34; 3], &mixes_3d(), 8);
+    worst([66; 3], &mixes_3d()[..6], 8);
+    worst([130, 66, 34], &mixes_3d()[..6], 8);
+    worst([50, 70, 90], &mixes_3d()[..6], 8);
+    worst([10, 22, 38], &all_mixes_3d(), 8);
+}
+
 #[test]
 fn other_sizes_need_at_most_10() {
     worst([97, 61], &mixes_2d(), 10);
     worst([33, 33, 33], &mixes_3d(), 10);
-    worst([97, 61, 45], &mixes_3d()[..6], 10);
+    worst([97, 61, 45], &mixes_3d(), 8);
     worst([3, 5, 7], &all_mixes_3d(), 10);
     worst([17, 13, 9], &all_mixes_3d(), 10);
     for n in [1, 2, 3, 5, 17, 100, 1001] {
@@ -66,7 +83,7 @@ fn single_precision_cycles_need_no_more_iterations() {
                 solve([96, 64], mix, 1.0, kappa, Precision::Full),
                 solve([96, 64], mix, 1.0, kappa, Precision::Single),
             );
-            assert!(single <= full + 1, "kappa {kappa:e}: {full} {single}");
+            assert!(single <= full, "kappa {kappa:e}: {full} {single}");
         }
     }
 }

@@ -3,6 +3,7 @@
 mod bound;
 mod chebyshev;
 mod common;
+mod floor;
 mod iterations;
 mod obstacles;
 mod operator;

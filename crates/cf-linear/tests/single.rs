@@ -1,4 +1,4 @@
-//! Pure f32 (model/diffusion.md 5.6): exact constants, any kappa, any amplitude.
+//! Pure f32: exact constants, any kappa, any amplitude.
 
 use cf_grid::Layout;
 use cf_linear::{Options, Plan, Solver, Stop};
@@ -146,13 +146,39 @@ fn zero_gives_zero() {
 /// The smallest and largest numbers there are, in f64.
 #[test]
 fn extreme_amplitudes_in_double() {
-    let case = Case::new([20, 20], [CLOSED; 2], 1.0, 10.0);
-    let mut solver = Solver::<f64, 2>::new(&case.helmholtz(), Options::default()).unwrap();
-    for amplitude in [f64::from_bits(1), 1e-310, 1e-300, 1e300, f64::MAX] {
-        let mut b = random_field::<f64, 2>(&case.layout, 4);
-        b.iter_mut().for_each(|v| *v *= amplitude);
-        let mut x = vec![0.0; case.layout.slots()];
-        solver.solve(&b, &mut x, Stop::Relative(1e-6)).unwrap_or_else(|e| panic!("{amplitude:e}: {e}"));
-        assert!(case.layout.max_abs(&x) <= amplitude);
+    for (plan, mix) in [(Plan::Multigrid, CLOSED), (Plan::Chebyshev, CLOSED), (Plan::Chebyshev, HELD)] {
+        let case = Case::new([20, 20], [mix; 2], 1.0, 1.0);
+        let options = Options { plan: Some(plan), ..Default::default() };
+        let mut solver = Solver::<f64, 2>::new(&case.helmholtz(), options).unwrap();
+        for amplitude in [f64::from_bits(1), 1e-323, 1e-320, 1e-310, 1e-300, 1e300, f64::MAX] {
+            let mut b = random_field::<f64, 2>(&case.layout, 4);
+            b.iter_mut().for_each(|v| *v *= amplitude);
+            let relative = [1e-6, 1e-12].map(Stop::Relative);
+            let absolute = [1e-6, 1e-12].map(|t| Stop::Largest(t * amplitude));
+            for stop in [relative, absolute].concat() {
+                let mut x = vec![0.0; case.layout.slots()];
+                let done = solver.solve(&b, &mut x, stop);
+                done.unwrap_or_else(|e| panic!("{plan:?} {mix:?} {amplitude:e} to {stop:?}: {e}"));
+                assert!(case.layout.max_abs(&x) <= amplitude);
+            }
+        }
+    }
+}
+
+/// kappa and walls so small that nothing of them can be added up in single precision.
+#[test]
+fn tiny_coefficients_are_a_matter_of_units() {
+    for kappa in [1e-300, 1e-40, 1e200] {
+        let (small, unit) =
+            (Case::new([20, 17], [HELD, CLOSED], 0.0, kappa), Case::new([20, 17], [HELD, CLOSED], 0.0, 1.0));
+        let b = random_field::<f32, 2>(&small.layout, 4);
+        let parts = [small, unit].map(|case| {
+            let mut y = vec![0.0; b.len()];
+            let mut solver = Solver::<f32, 2>::new(&case.helmholtz(), options()).unwrap();
+            let parts = solver.solve_deviation(&b, &mut y, Stop::Relative(1e-5)).unwrap();
+            (y, parts.factor * case.kappa)
+        });
+        assert!((parts[0].1 / parts[1].1 - 1.0).abs() < 1e-12);
+        assert!(parts[0].0.iter().zip(&parts[1].0).all(|(a, b)| (a - b).abs() <= 1e-4), "{kappa:e}");
     }
 }

@@ -1,4 +1,4 @@
-//! Solutions against dense solves by faer; Poisson problems; plans; warm starts.
+//! Solutions against dense solves by faer; Poisson problems; plans.
 
 use cf_grid::Layout;
 use cf_linear::{Helmholtz, Options, Plan, Precision, Solver, Stop};
@@ -169,47 +169,6 @@ fn kappa_zero_is_a_division_whatever_is_asked() {
     let options = Options { plan: Some(Plan::Diagonal), ..Default::default() };
     let mut solver = Solver::<f64, 2>::new(&operator, options).unwrap();
     assert!(solver.solve(&b, &mut vec![0.0; layout.slots()], Stop::Relative(1e-6)).is_err());
-}
-
-#[test]
-fn a_warm_start_reaches_the_same_solution_sooner() {
-    for (mix, kappa) in [([CLOSED, None], 30.0), ([HELD, CLOSED], 300.0), ([HELD, None], 0.01)] {
-        let case = Case::new([30, 24], mix, 1.0, kappa).masked(|c| c[0].abs_diff(12) + c[1].abs_diff(9) > 4);
-        let mut b = random_field::<f64, 2>(&case.layout, 4);
-        let mut solver = Solver::<f64, 2>::new(&case.helmholtz(), Options::default()).unwrap();
-        let mut x = vec![0.0; case.layout.slots()];
-        let cold = solver.solve(&b, &mut x, Stop::Relative(1e-10)).unwrap();
-        b.iter_mut().for_each(|v| *v *= 1.0 + 1e-6);
-        let solid = case.layout.slot([12, 9]);
-        x[solid] = 77.0;
-        let warm = solver.improve(&b, &mut x, Stop::Relative(1e-10)).unwrap();
-        assert!(warm.iterations < cold.iterations, "{} {}", warm.iterations, cold.iterations);
-        assert_eq!(x[solid], 77.0);
-        let expected = exact(&case, &b);
-        assert!(largest(&(case.gather(&x) - &expected)) < 1e-8 * largest(&expected));
-        assert!((warm.rhs - cold.rhs * (1.0 + 1e-6)).abs() < 1e-9 * cold.rhs);
-        let again = solver.improve(&b, &mut x, Stop::Relative(1e-9)).unwrap();
-        assert_eq!(again.iterations, 0);
-        assert!(again.residual <= 1e-9 * again.rhs);
-    }
-}
-
-/// A guess is its fluid cells: neither rim nor solid cells count.
-#[test]
-fn the_rim_of_a_guess_does_not_matter() {
-    for rim in [5.0, f64::NAN] {
-        let case = Case::new([20, 16], [HELD, CLOSED], 1.0, 30.0).masked(|c| c != [4, 4] && c != [5, 9]);
-        let mut solver = Solver::<f64, 2>::new(&case.helmholtz(), Options::default()).unwrap();
-        let b = random_field::<f64, 2>(&case.layout, 8);
-        let (mut x, mut dirty) = (vec![0.0; b.len()], vec![rim; b.len()]);
-        case.layout.par_cells(&mut dirty, |at| if case.is_fluid(at.cell) { 0.3 } else { rim });
-        solver.solve(&b, &mut x, Stop::Relative(1e-12)).unwrap();
-        solver.improve(&b, &mut dirty, Stop::Relative(1e-12)).unwrap();
-        case.layout.each_cell(case.layout.cells_region(), |at| {
-            let s = at.slot();
-            assert!(!case.is_fluid(at.cell) || (x[s] - dirty[s]).abs() < 1e-9, "{:?}: {} {}", at.cell, x[s], dirty[s]);
-        });
-    }
 }
 
 #[test]

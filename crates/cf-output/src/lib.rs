@@ -8,6 +8,7 @@
 //!   statistics, and [`read_image`], [`read_points`], [`read_series`] read them back.
 //! * [`Plane::cut`] takes a 2D field or a layer of a 3D one, [`draw`] makes a picture of it,
 //!   [`contact_sheet`] and [`write_animation`] put several into one file.
+//! * [`Volume`] and [`render`] show a 3D field as a lit cloud of ink or smoke.
 //! * [`Plot`] draws curves as PNG and SVG; [`Table`] writes CSV.
 //!
 //! Every file appears whole or not at all ([`write_atomic`]), every refusal is an [`OutputError`] that says what to
@@ -71,6 +72,7 @@ mod sheet;
 mod surface;
 mod table;
 mod text;
+mod volume;
 
 pub use array::{Array, Precision, Scalar, Source};
 pub use atomic::{Sink, write_atomic, write_text};
@@ -94,3 +96,4 @@ pub use series::{Series, SeriesEntry};
 pub use sheet::{contact_sheet, write_animation};
 pub use table::{Cell, Table};
 pub use text::escape;
+pub use volume::{Look, Material, Volume, render};

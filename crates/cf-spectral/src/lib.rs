@@ -19,7 +19,7 @@
 //! waves but the shortest of an even number of cells. The steady source W needs a medium at rest.
 //!
 //! [`smooth`] solves the continuous equations instead, by the same transforms: with it a scheme's whole error, in space
-//! and time, can be told from its error in time alone.
+//! and time, can be told from its error in time alone. [`wake`] does so for a steady source in a uniform flow.
 //!
 //! All arithmetic is in f64; states in f32 are rounded once per step. Cost: two transforms there and two back, one
 //! without memory, and an exponential or sine per mode.
@@ -46,7 +46,9 @@ mod shift;
 mod smooth;
 mod stepper;
 mod transform;
+mod wake;
 
 pub use error::SpectralError;
 pub use smooth::smooth;
 pub use stepper::Spectral;
+pub use wake::wake;

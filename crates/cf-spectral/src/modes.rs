@@ -80,7 +80,7 @@ fn walls(axis: Axis<Wall>) -> Walls {
 }
 
 /// Rows of `columns` numbers become columns.
-fn turn(columns: usize, data: &[f64], out: &mut [f64]) {
+pub(crate) fn turn<T: Copy + Send + Sync>(columns: usize, data: &[T], out: &mut [T]) {
     let rows = data.len() / columns;
     out.par_chunks_mut(rows * BAND).enumerate().for_each(|(band, out)| {
         let first = band * BAND;

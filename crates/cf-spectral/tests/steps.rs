@@ -4,7 +4,7 @@ use cf_diffusion::exact::{AxisModes, Gaussian, Walls, modes, source};
 use cf_diffusion::verify::{Case, Random};
 use cf_diffusion::{Integrator, Law, Medium, Source, State};
 use cf_grid::{Axis, Sides, Wall};
-use cf_spectral::{Spectral, SpectralError, smooth};
+use cf_spectral::{Spectral, SpectralError, smooth, wake};
 use nalgebra::SVector;
 
 const ALL: [Walls; 5] = [Walls::Periodic, Walls::Closed, Walls::Valued, Walls::ClosedValued, Walls::ValuedClosed];
@@ -275,4 +275,47 @@ fn smooth_data_follow_the_continuous_equations() {
     let grid = cf_grid::Grid::new([4, 4], 0.25).unwrap();
     let refused = smooth(&grid, &Sides::all(Wall::Value(1.0)), &Law::fourier(1.0).unwrap(), &mut [0.0; 36], 1.0);
     assert!(matches!(refused, Err(SpectralError::Lifted { axis: 0, .. })));
+}
+
+/// φ(x, t) = ∫₀ᵗ G(|x − us|, s) ds, where G is what a Gaussian that was emitted at once becomes, by its Hankel integral.
+#[test]
+fn a_wake_is_the_sum_of_all_that_was_emitted() {
+    for share in [0.0, 0.2] {
+        let law = Law::new(0.5, 2.0, share).unwrap();
+        let grid = cf_grid::Grid::<2>::new([64, 48], 0.125).unwrap();
+        let at = |cell: [usize; 2]| [grid.centre(cell)[0] - 4.0, grid.centre(cell)[1] - 3.0];
+        let gaussian = Gaussian { height: 1.0, sigma: 0.25 };
+        let mut rate = cf_grid::CellField::<f64>::new(grid.layout());
+        grid.layout().par_cells(&mut rate, |c| {
+            let [x, y] = at(c.cell);
+            (-0.5 * (x * x + y * y) / 0.0625).exp()
+        });
+        let mut phi = cf_grid::CellField::<f64>::new(grid.layout());
+        wake(&grid, &law, [0.8, -0.3], &rate, 1.5, &mut phi).unwrap();
+        for cell in [[32, 24], [40, 22], [44, 18], [30, 25], [36, 28]] {
+            let [x, y] = at(cell);
+            let value = |s: f64| gaussian.free(&law, 2, (x - 0.8 * s).hypot(y + 0.3 * s), s);
+            // Simpson's rule.
+            let steps = 200;
+            let weight = |i: usize| if i == 0 || i == steps { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 };
+            let sum: f64 = (0..=steps).map(|i| weight(i) * value(1.5 * i as f64 / steps as f64)).sum();
+            let exact = sum * 1.5 / steps as f64 / 3.0;
+            let found = phi[grid.layout().slot(cell)];
+            assert!((found - exact).abs() < 1e-6, "F_T = {share}, {cell:?}: {found} {exact}");
+        }
+    }
+}
+
+#[test]
+fn a_wake_needs_numbers() {
+    let grid = cf_grid::Grid::<2>::new([4, 4], 1.0).unwrap();
+    let law = Law::cattaneo(1.0, 1.0).unwrap();
+    let rate = cf_grid::CellField::<f64>::new(grid.layout());
+    let mut phi = rate.clone();
+    assert!(matches!(wake(&grid, &law, [0.0; 2], &rate, -1.0, &mut phi), Err(SpectralError::TimeStep(_))));
+    assert!(matches!(
+        wake(&grid, &law, [0.0, f64::NAN], &rate, 1.0, &mut phi),
+        Err(SpectralError::Velocity { axis: 1, .. })
+    ));
+    assert!(matches!(wake(&grid, &law, [0.0; 2], &rate[1..], 1.0, &mut phi), Err(SpectralError::Layout { .. })));
 }

@@ -87,6 +87,7 @@ fn read(line: &str) -> Option<Turn> {
         setup_seconds: number("setup_seconds")?,
         bytes: number("bytes")?,
         residual: number("residual")?,
+        rounding: 0.0,
         norm: number("norm")?,
         plan: None,
     })

@@ -147,7 +147,11 @@ impl Work {
                         checked
                     })
                 }
-                _ => solver::measure(problem, self.runs).map(|measured| solves.alone.push(measured)),
+                _ => solver::measure(problem, self.runs).and_then(|measured| {
+                    let checked = measured.check();
+                    solves.alone.push(measured);
+                    checked
+                }),
             };
             // Whoever asks for a stop may have stopped the peer as well.
             if let Err(failure) = outcome
@@ -217,6 +221,8 @@ mod tests {
             "passes_per_iteration",
             "bytes_per_cell",
             "setup_seconds",
+            "residual",
+            "status",
         ];
         for row in rows {
             let keys: BTreeSet<&str> = row.as_object().unwrap().keys().map(String::as_str).collect();
@@ -225,6 +231,25 @@ mod tests {
             assert_eq!(row["method"], json!(if large { "cf Multigrid" } else { "cf Chebyshev" }), "{row:#}");
         }
         assert!(document["stream"][0]["bytes_per_second"].as_f64().unwrap() > 1e8);
+    }
+
+    #[test]
+    fn residuals_are_judged_and_no_number_is_missing() {
+        let file = peers::folder().join("residuals.json");
+        let path = file.to_string_lossy();
+        let line =
+            ["solver", "--cells", "1x1,32x32", "--precision", "f64,f32", "--kappa", "1e5,poisson", "--runs", "1"];
+        assert_eq!(run(&[&line[..], &["--walls", "valued", "--json", &path]].concat()), Exit::Fine);
+        let document: Value = serde_json::from_str(&std::fs::read_to_string(&file).unwrap()).unwrap();
+        for row in document["rows"].as_array().unwrap() {
+            let (residual, status) = (row["residual"].as_f64().unwrap(), row["status"].as_str().unwrap());
+            assert_eq!(status, if residual <= 2e-6 { "met" } else { "rounding" }, "{row:#}");
+            assert!(residual <= 2e-6 || row["precision"] == json!("f32"), "{row:#}");
+        }
+        let line = ["solver", "--cells", "1x1", "--kappa", "poisson", "--runs", "1", "--json", &path];
+        assert_eq!(run(&line), Exit::Fine);
+        let document: Value = serde_json::from_str(&std::fs::read_to_string(&file).unwrap()).unwrap();
+        assert_eq!(document["rows"][0]["residual"], json!(0.0));
     }
 
     #[test]

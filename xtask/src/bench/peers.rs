@@ -10,8 +10,6 @@ use std::path::{Path, PathBuf};
 /// How far the norms of two solutions may be apart, in tolerances: far below what a wrong wall makes, 10 times what was
 /// ever seen.
 const APART: f64 = 100.0;
-/// How far above the tolerance a residual formed anew may be, since methods stop on one that they carry along.
-const RESIDUAL: f64 = 2.0;
 
 /// Both on one problem.
 pub struct Comparison {
@@ -66,11 +64,7 @@ impl Comparison {
         let problem = &self.ours.problem;
         let tolerance = problem.tolerance.0;
         for measured in [&self.ours, &self.theirs] {
-            let residual = measured.median(|turn| turn.residual);
-            if residual.is_nan() || residual > RESIDUAL * tolerance {
-                let method = &measured.method;
-                return Err(Failure::failed(format!("{problem}: {method} left a residual of {residual:.1e}")));
-            }
+            measured.check()?;
         }
         let apart = self.apart();
         if apart.is_nan() || apart > APART * tolerance {
@@ -84,7 +78,7 @@ impl Comparison {
 mod tests {
     use super::*;
     use crate::bench::problem::{Cells, Numbers, Strength, Tolerance, Walls};
-    use crate::bench::solver::Turn;
+    use crate::bench::solver::{Status, Turn};
 
     fn measured(norm: f64, residual: f64, seconds: f64) -> Measured {
         let (strength, tolerance, numbers) = (Strength::Poisson, Tolerance(1e-6), Numbers::F64);
@@ -97,6 +91,7 @@ mod tests {
             new_seconds: 0.25,
             bytes: 1.0,
             residual,
+            rounding: 1e-15,
             norm,
             plan: None,
         };
@@ -112,6 +107,13 @@ mod tests {
         assert_eq!((same.ratio(), same.ratio_with_setup()), (2.5, 2.0));
         assert!(compared(1.01, 9e-7).check().is_err());
         assert!(compared(1.0, 1e-5).check().is_err());
+        assert_eq!(
+            [1e-7, 1e-5, f64::NAN].map(|r| measured(1.0, r, 1.0).status()),
+            [Status::Met, Status::Missed, Status::Missed]
+        );
+        let mut rounded = measured(1.0, 1e-5, 1.0);
+        rounded.turns[0].rounding = 2e-5;
+        assert_eq!(rounded.status(), Status::Rounding);
         assert!(compared(f64::NAN, f64::NAN).check().is_err());
     }
 }

@@ -6,6 +6,7 @@ use crate::failure::Failure;
 use crate::pool;
 use cf_grid::{Layout, Real};
 use cf_linear::{Helmholtz, Options, Plan, Precision, SolveError, Solver, Stop};
+use std::fmt;
 
 /// From this kappa on the plan is multigrid, whatever [`Plan::choose`] says; a Poisson problem counts as larger.
 pub const MULTIGRID_FROM: f64 = 10.0;
@@ -22,13 +23,39 @@ pub struct Turn {
     pub new_seconds: f64,
     /// Held for the solve: solver, b and x.
     pub bytes: f64,
-    /// ‖b - A x‖/‖b‖, formed anew from x.
+    /// ‖b - A x‖/‖b‖, formed anew from x; 0 where b is.
     pub residual: f64,
+    /// What rounding of x and A x may leave of that: four units in the last place of alpha + 2 D kappa times ‖x‖/‖b‖.
+    pub rounding: f64,
     /// 2-norm of x without its mean, by which solutions of different programs are compared.
     pub norm: f64,
     /// Where the method has reasons.
     pub plan: Option<String>,
 }
+
+/// How a solve ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// The residual formed anew is below the tolerance, but for what methods that carry one along lose ([`SLACK`]).
+    Met,
+    /// It is not, but rounding in these numbers explains it.
+    Rounding,
+    /// Neither.
+    Missed,
+}
+
+impl fmt::Display for Status {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Status::Met => "met",
+            Status::Rounding => "rounding",
+            Status::Missed => "missed",
+        })
+    }
+}
+
+/// How far above the tolerance a residual formed anew may be, since methods stop on one that they carry along.
+pub const SLACK: f64 = 2.0;
 
 /// All turns of a method on a problem; at least one.
 #[derive(Clone, Debug)]
@@ -42,6 +69,25 @@ impl Measured {
     /// The median over the turns.
     pub fn median(&self, of: impl Fn(&Turn) -> f64) -> f64 {
         timing::median(self.turns.iter().map(of))
+    }
+
+    /// How it ended, by the residual that was formed anew.
+    pub fn status(&self) -> Status {
+        let [residual, rounding] = [self.median(|turn| turn.residual), self.median(|turn| turn.rounding)];
+        match residual {
+            r if r <= SLACK * self.problem.tolerance.0 => Status::Met,
+            r if r <= rounding => Status::Rounding,
+            _ => Status::Missed,
+        }
+    }
+
+    /// Refuses a solution that is none.
+    pub fn check(&self) -> Result<(), Failure> {
+        if self.status() == Status::Missed {
+            let (problem, method, residual) = (&self.problem, &self.method, self.median(|turn| turn.residual));
+            return Err(Failure::failed(format!("{problem}: {method} left a residual of {residual:.1e}")));
+        }
+        Ok(())
     }
 
     /// Iterations, the same in every turn.
@@ -116,9 +162,13 @@ fn solve<T: Real, const D: usize>(
     let bytes = (solver.bytes() + (b.len() + x.len()) * size_of::<T>()) as f64;
     let (sum, square) = (layout.sum(&x), layout.dot(&x, &x));
     let norm = (square - sum * sum / layout.count() as f64).max(0.0).sqrt();
-    let residual = residual(&solver, layout, &b, &mut x);
+    let size = layout.dot(&b, &b).sqrt();
+    let relative = |value: f64| if size > 0.0 { value / size } else { value };
+    let diagonal = alpha + 2.0 * D as f64 * kappa;
+    let rounding = relative(4.0 * T::EPSILON * diagonal * square.sqrt());
+    let residual = relative(residual(&solver, layout, &b, &mut x));
     let plan = Some(solver.choice().to_string());
-    Ok(Turn { iterations, seconds, setup_seconds, new_seconds, bytes, residual, norm, plan })
+    Ok(Turn { iterations, seconds, setup_seconds, new_seconds, bytes, residual, rounding, norm, plan })
 }
 
 /// What the first iterations took longer than the later ones, at least 0.
@@ -127,12 +177,12 @@ pub fn newness(iterations: [usize; 2], seconds: [f64; 2]) -> f64 {
     (seconds[0] - first * seconds[1] / later).max(0.0)
 }
 
-/// ‖b - A x‖/‖b‖; A x is rounded to the precision of `T`.
+/// ‖b - A x‖; A x is rounded to the precision of `T`.
 fn residual<T: Real, const D: usize>(solver: &Solver<T, D>, layout: &Layout<D>, b: &[T], x: &mut [T]) -> f64 {
     let mut r = vec![T::ZERO; layout.slots()];
     solver.apply(x, &mut r);
     layout.par_runs(layout.cells_region(), &mut r[..], |run, row: &mut [T]| {
         row.iter_mut().zip(run.row(b)).for_each(|(r, &b)| *r = T::of(b.f64() - r.f64()));
     });
-    (layout.dot(&r, &r) / layout.dot(b, b)).sqrt()
+    layout.dot(&r, &r).sqrt()
 }

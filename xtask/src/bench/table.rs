@@ -44,8 +44,19 @@ fn problem(problem: &Problem) -> Vec<String> {
 
 /// A line for each method and problem, and why the plan where it was not given.
 pub fn print(rows: &[&Measured], bandwidth: &Bandwidth) {
-    let costs =
-        ["method", "iterations", "ms", "ms/iteration", "passes/iteration", "B/cell", "set-up ms", "new ms", "runs"];
+    let costs = [
+        "method",
+        "iterations",
+        "residual",
+        "ended",
+        "ms",
+        "ms/iteration",
+        "passes/iteration",
+        "B/cell",
+        "set-up ms",
+        "new ms",
+        "runs",
+    ];
     let lines: Vec<Vec<String>> = rows
         .iter()
         .map(|measured| {
@@ -54,6 +65,8 @@ pub fn print(rows: &[&Measured], bandwidth: &Bandwidth) {
             line.extend([
                 measured.method.clone(),
                 measured.iterations().to_string(),
+                format!("{:.1e}", measured.median(|turn| turn.residual)),
+                measured.status().to_string(),
                 format!("{:.2}", 1e3 * cost.seconds),
                 format!("{:.2}", 1e3 * cost.per_iteration),
                 format!("{:.1}", cost.passes),
@@ -74,7 +87,8 @@ pub fn print(rows: &[&Measured], bandwidth: &Bandwidth) {
             say!("{}: {plan}", measured.problem);
         }
     }
-    say!("\nA pass reads or writes one array of the grid's size once, at the stream bandwidth of as many threads.");
+    say!("\nResidual: |b - A x|/|b| formed anew; ended: the tolerance was met, or rounding leaves more than that.");
+    say!("A pass reads or writes one array of the grid's size once, at the stream bandwidth of as many threads.");
     say!("New: what the first iteration took longer than later ones, because the system had to hand out the memory.");
 }
 
@@ -124,6 +138,7 @@ pub fn row(measured: &Measured, bandwidth: &Bandwidth) -> Value {
         "setup_seconds": cost.setup,
         "new_memory_seconds": cost.new,
         "residual": measured.median(|turn| turn.residual),
+        "status": measured.status().to_string(),
         "norm": measured.median(|turn| turn.norm),
     })
 }

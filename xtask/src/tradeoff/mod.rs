@@ -1,23 +1,25 @@
-//! `tradeoff`: what accuracy costs, on problems with known solutions (model/diffusion.md 7).
+//! `tradeoff`: what accuracy costs, on problems with known solutions, on scenes, and beside other programs.
 //!
-//! `problem` has the problems, `setting` the knobs, `sweep` the combinations, `measure` runs one, `orders` repeats the
-//! table of 6.1, `claims` judges, `write` and `pictures` make the files.
+//! `cf-tradeoff` has the problems and runs them. Here, `sweep` has the combinations, `levels` what the accuracy levels of
+//! scenes choose, `tables` repeats the tables of the specification, `claims` judges, `write` and `pictures` make the files;
+//! `scene` does the same for a scene, `numbers` compares precisions on the scenes of two figures, `peers` other programs.
 
 mod claims;
-mod measure;
-mod orders;
+mod levels;
+mod numbers;
+mod peers;
 mod pictures;
-mod problem;
-mod setting;
+mod scene;
 mod sweep;
+mod tables;
 mod write;
 
 use crate::bench::stream::Bandwidth;
 use crate::cli::{Canonical, TradeoffArgs};
 use crate::failure::Failure;
 use crate::{pool, show};
+use cf_tradeoff::{Measured, cheapest};
 use claims::Claim;
-use setting::{Measured, cheapest};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use sweep::Sweep;
@@ -25,54 +27,90 @@ use write::Found;
 
 /// Measures, writes, prints; fails where a claim does.
 pub fn tradeoff(asked: &TradeoffArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let wants = |problem: Canonical| asked.problem == problem || asked.problem == Canonical::All;
-    let threads = pool::threads(None);
     for folder in [Some(&asked.out), asked.docs.as_ref()].into_iter().flatten() {
         std::fs::create_dir_all(folder)
             .map_err(|error| Failure::io(format!("cannot make the folder {}: {error}", folder.display())))?;
     }
+    match &asked.scene {
+        Some(scene) => scene::scene(scene, asked, stop),
+        None if asked.peers => peers::peers(asked, stop),
+        None if asked.numbers => numbers::numbers(asked, stop),
+        None => canonical(asked, stop),
+    }
+}
+
+/// The problems with known solutions.
+fn canonical(asked: &TradeoffArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let wants = |problem: Canonical| asked.problem == problem || asked.problem == Canonical::All;
+    let threads = pool::threads(None);
     let mut bandwidth = Bandwidth::measure(&[1, threads][usize::from(threads == 1)..])?;
-    let mut sweep = Sweep { quick: asked.quick, threads, stop, rows: vec![], shown: vec![] };
-    let mut orders = Vec::new();
-    let mut claims = Vec::new();
+    let mut sweep = Sweep::new(asked.quick, threads, stop);
+    let (mut tables, mut claims) = (Vec::new(), Vec::new());
     if wants(Canonical::P1) {
-        orders = orders::orders(threads)?;
-        claims.push(claims::table(&orders));
+        tables.push(tables::orders(threads)?);
         sweep.p1()?;
         claims.push(claims::cheaper(&sweep.rows));
     }
     if wants(Canonical::P2) {
         sweep.p2()?;
+        tables.push(tables::fronts(&sweep.rows));
         claims.extend(claims::fronts(&sweep.rows));
     }
+    if wants(Canonical::P3) {
+        sweep.p3()?;
+        claims.extend(claims::cones(&sweep.rows, &sweep.angles));
+    }
+    if wants(Canonical::P4) {
+        sweep.p4()?;
+        tables.push(tables::transport(&sweep.rows));
+    }
+    claims.extend(tables.iter().map(claims::table));
+    if asked.quick {
+        // Small grids show how it is done, not what holds.
+        claims.retain(|claim| claim.pass);
+    }
     bandwidth.again()?;
-    let found = Found { rows: &sweep.rows, orders: &orders, claims: &claims, bandwidth: &bandwidth, threads };
+    let found = Found {
+        rows: &sweep.rows,
+        tables: &tables,
+        convergence: &sweep.convergence,
+        claims: &claims,
+        bandwidth: &bandwidth,
+        threads,
+    };
     say(&found);
     files(&found, &sweep, &asked.out)?;
     if let Some(docs) = &asked.docs {
-        let pictures = drawn(&found, &sweep, docs)?;
-        cf_output::write_text(&docs.join("README.md"), &write::page(&found, &pictures))?;
+        let pictures = drawn(&found, &sweep, docs, &DRAWN)?;
+        let page = write::page(&found, &pictures, "cargo xtask tradeoff --docs docs/tradeoff");
+        cf_output::write_text(&docs.join("README.md"), &page)?;
     }
     if let Some(error) = asked.target_error {
         recommend(&sweep.rows, error);
     }
     say!("\nwritten to {}", asked.out.display());
+    judge(&claims)
+}
+
+/// Fails where a claim does.
+fn judge(claims: &[Claim]) -> Result<(), Failure> {
     let failed: Vec<&str> = claims.iter().filter(|c| !c.pass).map(|c| c.name.as_str()).collect();
     if failed.is_empty() { Ok(()) } else { Err(Failure::failed(format!("does not hold: {}", failed.join("; ")))) }
 }
 
 fn say(found: &Found<'_>) {
-    if !found.orders.is_empty() {
-        say!("Errors in time on a line of 256 cells (model 6.1), 2-norm relative to the spectral integrator");
-        say!("{}", show::table(&write::ORDERS, &write::orders(found.orders)));
+    for table in found.tables {
+        say!("{}. {}\n{}", table.name, table.text, write::listed(table).text());
     }
-    let (heads, rows) = write::table(found.rows.iter());
+    if !found.convergence.is_empty() {
+        say!("{}", write::convergence(found.convergence).text());
+    }
     say!("Error of phi (2-norm, relative) against");
-    for reference in problem::REFERENCES {
+    for reference in write::REFERENCES {
         say!("  {reference}");
     }
-    say!("\"in time\": against the spectral integrator on the same grid. Median of three runs or more.\n");
-    say!("{}", show::table(&heads, &rows));
+    say!("\"in time\": against the integrator that is exact in time on the same grid. Median of five runs or more.\n");
+    say!("{}", write::settings(found.rows.iter()).text());
     found.bandwidth.print();
     for Claim { name, measured, pass } in found.claims {
         say!("{} {name}: {measured}", if *pass { "holds" } else { "FAILS" });
@@ -82,33 +120,58 @@ fn say(found: &Found<'_>) {
 fn files(found: &Found<'_>, sweep: &Sweep<'_>, out: &Path) -> Result<(), Failure> {
     write::csv(found.rows, &out.join("tradeoff.csv"))?;
     write::summary(found, &out.join("summary.json"))?;
-    let pictures = drawn(found, sweep, out)?;
-    Ok(cf_output::write_text(&out.join("tradeoff.md"), &write::page(found, &pictures))?)
+    let pictures = drawn(found, sweep, out, &[])?;
+    Ok(cf_output::write_text(&out.join("report.html"), &write::report(found, &pictures))?)
 }
 
-/// A Pareto plot per problem and the pictures of the fronts, by name.
-fn drawn(found: &Found<'_>, sweep: &Sweep<'_>, out: &Path) -> Result<Vec<String>, Failure> {
+/// The Pareto plots of the documentation; all are in the report.
+const DRAWN: [&str; 8] = [
+    "P1 2D, F_T = 0, tau = 1 s",
+    "P1 2D, F_T = 0.1, tau = 1 s",
+    "P1 2D, F_T = 1, tau = 1 s",
+    "P1 3D, F_T = 0, tau = 1 s",
+    "P2 line",
+    "P2 disc",
+    "P3 H_c = 1.414, F_T = 0",
+    "P4 bell",
+];
+
+/// A Pareto plot per problem and the pictures of the fronts, by name; only of some problems if `only` has any.
+fn drawn(found: &Found<'_>, sweep: &Sweep<'_>, out: &Path, only: &[&str]) -> Result<Vec<String>, Failure> {
+    let mut names = drawn_of(found.rows, out, only)?;
+    let fronts = pictures::fronts(&sweep.shown, out)?;
+    names.extend(fronts.iter().filter_map(|path| Some(path.file_name()?.to_str()?.to_owned())));
+    Ok(names)
+}
+
+/// A Pareto plot per problem.
+fn drawn_of(rows: &[Measured], out: &Path, only: &[&str]) -> Result<Vec<String>, Failure> {
     let mut names = Vec::new();
-    for problem in problems(found.rows) {
-        let rows: Vec<&Measured> = found.rows.iter().filter(|m| m.problem == problem).collect();
+    for problem in problems(rows) {
+        if !only.is_empty() && !only.contains(&problem) {
+            continue;
+        }
+        let own: Vec<&Measured> = rows.iter().filter(|m| m.problem == problem).collect();
         let words: Vec<String> = problem
             .split(|c: char| !c.is_ascii_alphanumeric())
             .filter(|w| !w.is_empty())
             .map(str::to_lowercase)
             .collect();
         let name = format!("pareto_{}.png", words.join("_"));
-        pictures::pareto(problem, &rows).write_png(&out.join(&name))?;
+        pictures::pareto(problem, &own).write_png(&out.join(&name))?;
         names.push(name);
     }
-    let fronts = pictures::fronts(&sweep.shown, out)?;
-    names.extend(fronts.iter().filter_map(|path| Some(path.file_name()?.to_str()?.to_owned())));
     Ok(names)
 }
 
 /// The problems in their order.
 fn problems(rows: &[Measured]) -> Vec<&str> {
-    let mut names: Vec<&str> = rows.iter().map(|m| m.problem.as_str()).collect();
-    names.dedup();
+    let mut names: Vec<&str> = Vec::new();
+    for m in rows {
+        if !names.contains(&m.problem.as_str()) {
+            names.push(&m.problem);
+        }
+    }
     names
 }
 
@@ -118,7 +181,7 @@ fn recommend(rows: &[Measured], error: f64) {
     for problem in problems(rows) {
         let own = |m: &&Measured| m.problem == problem;
         match cheapest(rows.iter().filter(own), error) {
-            Some(m) => say!("  {problem}: {} ({}, error {:.1e})", m.words(), show::seconds(m.seconds), m.error),
+            Some(m) => say!("  {problem}: {} ({}, error {:.1e})", write::words(m), show::seconds(m.seconds), m.error),
             None => {
                 let least = rows.iter().filter(own).map(|m| m.error).fold(f64::INFINITY, f64::min);
                 say!("  {problem}: none; the best reached {least:.1e}: refine the grid");

@@ -1,4 +1,4 @@
-//! MUSCL for rows of cells: limited slopes, upwind fluxes, no branches (model section 6.6).
+//! MUSCL for rows of cells: limited slopes, upwind fluxes, no branches.
 
 use cf_grid::Real;
 

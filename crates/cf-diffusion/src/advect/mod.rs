@@ -1,4 +1,4 @@
-//! Transport of φ and q_C by the moving medium (model sections 1 and 6.6).
+//! Transport of φ and q_C by the moving medium (paper eqs 11 and 12).
 //!
 //! ```text
 //!     φ_t + div(u φ) = 0          cells; conservative

@@ -1,4 +1,4 @@
-//! Dimension splitting: which sweep reads and writes what (model section 6.6).
+//! Dimension splitting: which sweep reads and writes what.
 
 use std::ops::Range;
 

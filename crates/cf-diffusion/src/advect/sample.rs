@@ -1,5 +1,5 @@
 //! A field between its values: tensor Lagrange interpolation over `K` points per axis, held within the range of the
-//! enclosing values (model section 6.6; K = 4 cubic, K = 2 linear).
+//! enclosing values (K = 4 cubic, K = 2 linear).
 
 use cf_grid::{End, Real};
 use nalgebra::SVector;

@@ -13,7 +13,7 @@ pub(super) struct Edge {
     pub reach: f64,
 }
 
-/// The cells, or the stored faces normal to one axis (model section 4: a face on a `Flux`, `Absorbing` or `Open` wall
+/// The cells, or the stored faces normal to one axis (a face on a `Flux`, `Absorbing` or `Open` wall
 /// stores no q_C, one on a `Value` wall does).
 #[derive(Debug, Clone)]
 pub(super) struct Sites<const D: usize> {

@@ -1,6 +1,6 @@
-//! One sweep of flux-form MUSCL along one axis (model section 6.6).
+//! One sweep of flux-form MUSCL along one axis (paper eqs 11 and 12).
 
-use cf_grid::{End, Real, Run};
+use cf_grid::{End, Real, Run, vectorised};
 
 use super::flow::Stream;
 use super::kernel::{Window, flux_form, flux_form_window, flux_form_with, uniform_five, uniform_window};
@@ -33,6 +33,9 @@ pub(super) enum Dilatation<'f, T> {
 }
 
 /// A sweep along `axis`.
+///
+/// Only the kernels are compiled for the machine's vector registers: around them stands too much code to have it three
+/// times.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sweep<'s, T, const D: usize> {
     pub sites: &'s Sites<D>,
@@ -155,7 +158,10 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
         if let (true, Some(nu)) = (inner, self.stream.uniform(axis)) {
             let whole = Chunk { cell: run.cell, len: run.len() };
             let rows = std::array::from_fn(|k| whole.at(axis, place(k)).row(&sites.layout, from));
-            return uniform_five(nu, rows, out);
+            return vectorised(
+                #[inline(always)]
+                || uniform_five(nu, rows, out),
+            );
         }
         for range in Chunk::<D>::ranges(run.len()) {
             let chunk = Chunk::of(&run, &range);
@@ -200,7 +206,13 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
             }
             let rows: [&[T]; 5] = std::array::from_fn(|k| &window[k..k + m]);
             match self.stream.uniform(0) {
-                Some(nu) => uniform_window(nu, &window, &mut out[range]),
+                Some(nu) => {
+                    let out = &mut out[range];
+                    vectorised(
+                        #[inline(always)]
+                        || uniform_window(nu, &window, out),
+                    );
+                }
                 None => self.chunk(Chunk::of(&run, &range), rows, Some(&window), &mut out[range]),
             }
             window.copy_within(m..m + 2, 0);
@@ -249,7 +261,12 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
             self.stream.speeds(sites, self.axis, chunk, low, high);
         }
         match (self.stream.fluid, window) {
-            (None, Some(window)) if self.divergent.is_none() => flux_form_window(window, low, high[n - 1], add, out),
+            (None, Some(window)) if self.divergent.is_none() => {
+                vectorised(
+                    #[inline(always)]
+                    || flux_form_window(window, low, high[n - 1], add, out),
+                );
+            }
             (None, _) => self.flux_form(chunk, rows, low, high, add, out),
             (Some(fluid), _) => self.chunk_with_solids(fluid, chunk, rows, low, high, add, out),
         }
@@ -263,7 +280,12 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
 
     /// Flux form, with no slope in divergent cells.
     fn flux_form(&self, chunk: Chunk<D>, rows: [&[T]; 5], low: &[T], high: &[T], add: &[T], out: &mut [T]) {
-        let Some(divergent) = self.divergent else { return flux_form(rows, low, high, add, out) };
+        let Some(divergent) = self.divergent else {
+            return vectorised(
+                #[inline(always)]
+                || flux_form(rows, low, high, add, out),
+            );
+        };
         let n = chunk.len;
         let mut steep = [[T::ONE; CHUNK]; 3];
         for (steep, by) in steep.iter_mut().zip(-1..=1) {

@@ -1,4 +1,4 @@
-//! Where the medium at a place came from: the midpoint rule backwards in time (model section 6.6).
+//! Where the medium at a place came from: the midpoint rule backwards in time.
 
 use cf_grid::{FaceField, Layout, Real};
 use nalgebra::SVector;

@@ -8,7 +8,7 @@
 //! s    = MC(a, b) = sign(a) max(0, min(|a + b|/2, 2 |a|, 2 |b|))   if a b > 0, else 0
 //! ```
 //!
-//! (model/diffusion.md 6.4.) The loss is formed from differences, so that a constant loses nothing, to the bit.
+//! The loss is formed from differences, so that a constant loses nothing, to the bit.
 
 use cf_grid::Real;
 

@@ -1,4 +1,4 @@
-//! Fronts: the characteristic MUSCL scheme for F_T = 0 (model/diffusion.md 6.4).
+//! Fronts: the characteristic MUSCL scheme for F_T = 0.
 //!
 //! Cattaneo's law in a medium of uniform velocity u is hyperbolic,
 //!
@@ -39,7 +39,7 @@ mod wave;
 
 use std::mem::swap;
 
-use cf_grid::{CellField, Grid, Real, Sides, Wall};
+use cf_grid::{CellField, Grid, Real, Sides, Wall, once};
 use nalgebra::SVector;
 
 pub use error::FrontError;
@@ -209,6 +209,16 @@ impl<T: Real, const D: usize> Front<T, D> {
         source: Source<'_, T>,
         dt: f64,
     ) -> Result<StepReport, FrontError> {
+        let c = &COMPILED;
+        once::<Step<T, D>>([&c.0, &c.1, &c.2, &c.3])(self, state, source, dt)
+    }
+
+    fn step_here(
+        &mut self,
+        state: &mut FrontState<T, D>,
+        source: Source<'_, T>,
+        dt: f64,
+    ) -> Result<StepReport, FrontError> {
         let substeps = self.substeps(dt)?;
         self.check_layout(state, source)?;
         if dt == 0.0 {
@@ -241,11 +251,16 @@ impl<T: Real, const D: usize> Front<T, D> {
     fn emit(&self, state: &mut FrontState<T, D>, source: Source<'_, T>, dt: f64) {
         let Some(rate) = source.rate else { return };
         let (layout, dt) = (self.grid.layout(), T::of(source.share * dt));
-        layout.par_runs(layout.cells_region(), &mut state.phi[..], |run, phi: &mut [T]| {
-            for (phi, &w) in phi.iter_mut().zip(run.row(rate)) {
-                *phi += dt * w;
-            }
-        });
+        layout.par_runs(
+            layout.cells_region(),
+            &mut state.phi[..],
+            #[inline(always)]
+            |run, phi: &mut [T]| {
+                for (phi, &w) in phi.iter_mut().zip(run.row(rate)) {
+                    *phi += dt * w;
+                }
+            },
+        );
     }
 
     /// Every axis once. Returns what left \[cells of phi\]; not finite where phi is not.
@@ -285,3 +300,11 @@ impl<T: Real, const D: usize> Front<T, D> {
         outflow
     }
 }
+
+/// A step of one precision and dimension.
+type Step<T, const D: usize> =
+    fn(&mut Front<T, D>, &mut FrontState<T, D>, Source<'_, T>, f64) -> Result<StepReport, FrontError>;
+
+/// Steps are compiled here, once, and not again in every crate that makes some.
+static COMPILED: (Step<f32, 2>, Step<f64, 2>, Step<f32, 3>, Step<f64, 3>) =
+    (Front::step_here, Front::step_here, Front::step_here, Front::step_here);

@@ -1,4 +1,4 @@
-//! One sweep along one axis: fields to waves, waves moved, fields updated, row by row (model/diffusion.md 6.4).
+//! One sweep along one axis: fields to waves, waves moved, fields updated, row by row.
 //!
 //! Rows are taken in chunks whose waves live on the stack. Along x a chunk is a window that slides over the row, so the
 //! sweep works in place; along y and z five rows are read and one is written elsewhere.
@@ -31,20 +31,31 @@ impl<T: Real, C: Content<T, K>, const D: usize, const K: usize> Sweep<'_, T, C, 
     /// Sweeps `fields` in place; for `axis` = 0. Returns what left through the walls, outward positive, in units of a
     /// cell's phi; not finite where a field is not.
     pub fn in_place(&self, fields: [&mut [T]; K]) -> f64 {
-        self.layout.par_runs(self.layout.cells_region(), fields, |run, mut rows: [&mut [T]; K]| {
-            let outflow = self.along(run, &mut rows);
-            outflow + 0.0 * row_sum(rows[0])
-        })
+        self.layout.par_runs(
+            self.layout.cells_region(),
+            fields,
+            #[inline(always)]
+            |run, mut rows: [&mut [T]; K]| {
+                let outflow = self.along(run, &mut rows);
+                outflow + 0.0 * row_sum(rows[0])
+            },
+        )
     }
 
     /// The same from one set of fields to another; for `axis` > 0.
     pub fn across(&self, from: [&[T]; K], to: [&mut [T]; K]) -> f64 {
-        self.layout.par_runs(self.layout.cells_region(), to, |run, mut rows: [&mut [T]; K]| {
-            let outflow = self.between(run, from, &mut rows);
-            outflow + 0.0 * row_sum(rows[0])
-        })
+        self.layout.par_runs(
+            self.layout.cells_region(),
+            to,
+            #[inline(always)]
+            |run, mut rows: [&mut [T]; K]| {
+                let outflow = self.between(run, from, &mut rows);
+                outflow + 0.0 * row_sum(rows[0])
+            },
+        )
     }
 
+    #[inline(always)]
     fn along(&self, run: Run<'_, D>, rows: &mut [&mut [T]; K]) -> f64 {
         let n = run.len();
         let mut window = [[T::ZERO; CHUNK + 4]; K];
@@ -100,6 +111,7 @@ impl<T: Real, C: Content<T, K>, const D: usize, const K: usize> Sweep<'_, T, C, 
         std::array::from_fn(|k| self.beyond(end, k, mirror[K - 1 - k], wall[k]))
     }
 
+    #[inline(always)]
     fn between(&self, run: Run<'_, D>, from: [&[T]; K], to: &mut [&mut [T]; K]) -> f64 {
         let (n, index) = (self.layout.cells()[self.axis], run.cell[self.axis]);
         let mut waves = [[[T::ZERO; CHUNK]; 5]; K];

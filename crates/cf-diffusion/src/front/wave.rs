@@ -1,4 +1,4 @@
-//! The waves of an axis: how fast each moves, and what it meets beyond the walls (model/diffusion.md 6.4).
+//! The waves of an axis: how fast each moves, and what it meets beyond the walls (paper eqs 19 to 24).
 //!
 //! Along the axis, w+ = phi + q/c moves at u + c and w- = phi - q/c at u - c. At a wall with outward normal n the one
 //! that comes in follows from the one that leaves, and so do the values beyond it,

@@ -16,25 +16,35 @@ impl<T: Real, const D: usize> Implicit<T, D> {
         let (gain, weight) = (T::of(stretch), T::of(faces.kappa * factor));
         let fluid = walls.mask.as_ref().map(|m| m.fluid());
         let layout = walls.layout;
-        layout.par_runs(layout.cells_region(), &mut state.phi[..], |run, phi: &mut [T]| {
-            let mut moved = [T::ZERO; ROW];
-            in_pieces(&run, phi, |piece, phi| {
-                let moved = &mut moved[..phi.len()];
-                spread(walls, &piece, y, moved);
-                if let Some(fluid) = fluid {
-                    for (i, (phi, &rhs)) in phi.iter_mut().zip(piece.row(rhs)).enumerate() {
-                        if fluid[piece.slot() + i] {
-                            *phi += gain * ((rhs - (*phi - reference)) + weight * moved[i]);
+        layout.par_runs(
+            layout.cells_region(),
+            &mut state.phi[..],
+            #[inline(always)]
+            |run, phi: &mut [T]| {
+                let mut moved = [T::ZERO; ROW];
+                in_pieces(
+                    &run,
+                    phi,
+                    #[inline(always)]
+                    |piece, phi| {
+                        let moved = &mut moved[..phi.len()];
+                        spread(walls, &piece, y, moved);
+                        if let Some(fluid) = fluid {
+                            for (i, (phi, &rhs)) in phi.iter_mut().zip(piece.row(rhs)).enumerate() {
+                                if fluid[piece.slot() + i] {
+                                    *phi += gain * ((rhs - (*phi - reference)) + weight * moved[i]);
+                                }
+                            }
+                            return;
                         }
-                    }
-                    return;
-                }
-                for ((phi, &rhs), &moved) in phi.iter_mut().zip(piece.row(rhs)).zip(moved.iter()) {
-                    let change = (rhs - (*phi - reference)) + weight * moved;
-                    *phi += gain * change;
-                }
-            });
-        });
+                        for ((phi, &rhs), &moved) in phi.iter_mut().zip(piece.row(rhs)).zip(moved.iter()) {
+                            let change = (rhs - (*phi - reference)) + weight * moved;
+                            *phi += gain * change;
+                        }
+                    },
+                );
+            },
+        );
         let (slow, far) = (state.slow_flux.as_ref(), reference.f64());
         let mut outflow = 0.0;
         walls.each(|w| {
@@ -96,15 +106,20 @@ impl<T: Real, const D: usize> Implicit<T, D> {
 
         let gain = T::of(stretch);
         let fluid = walls.mask.as_ref().map(|m| m.fluid());
-        layout.par_runs(layout.cells_region(), &mut state.phi[..], |run, phi: &mut [T]| {
-            for (i, (phi, &y)) in phi.iter_mut().zip(run.row(y)).enumerate() {
-                let slot = run.slot() + i;
-                if fluid.is_none_or(|f| f[slot]) {
-                    let solved = T::of(factor * y.f64() + levels[parts.of(slot)]);
-                    *phi += gain * (solved - (*phi - reference));
+        layout.par_runs(
+            layout.cells_region(),
+            &mut state.phi[..],
+            #[inline(always)]
+            |run, phi: &mut [T]| {
+                for (i, (phi, &y)) in phi.iter_mut().zip(run.row(y)).enumerate() {
+                    let slot = run.slot() + i;
+                    if fluid.is_none_or(|f| f[slot]) {
+                        let solved = T::of(factor * y.f64() + levels[parts.of(slot)]);
+                        *phi += gain * (solved - (*phi - reference));
+                    }
                 }
-            }
-        });
+            },
+        );
         let totals: Vec<f64> = before.iter().zip(&gained).map(|(sum, gained)| sum + stretch * gained).collect();
         restore(walls, parts, &mut state.phi, far, &totals);
 

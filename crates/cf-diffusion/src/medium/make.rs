@@ -14,8 +14,8 @@ pub fn sample<T: Real, const D: usize>(
     on_faces(grid, |axis, cell| velocity(grid.face(axis, cell))[axis])
 }
 
-/// A velocity without divergence from a stream function ψ \[m²/s\] sampled at the cell corners x \[m\]
-/// (model/fluid section 1): u_x = ∂ψ/∂y, u_y = −∂ψ/∂x, as differences over one cell edge.
+/// A velocity without divergence from a stream function ψ \[m²/s\] sampled at the cell corners x \[m\]:
+/// u_x = ∂ψ/∂y, u_y = −∂ψ/∂x, as differences over one cell edge.
 ///
 /// max|div u| is round-off in `T`. On periodic axes ψ must be periodic up to a linear function.
 pub fn stream_function<T: Real>(
@@ -29,8 +29,8 @@ pub fn stream_function<T: Real>(
     })
 }
 
-/// A velocity without divergence from a vector potential A \[m²/s\] sampled at the middles x \[m\] of the cell edges
-/// (model/fluid section 1): u = curl A, component by component as the circulation around the face.
+/// A velocity without divergence from a vector potential A \[m²/s\] sampled at the middles x \[m\] of the cell edges:
+/// u = curl A, component by component as the circulation around the face.
 ///
 /// max|div u| is round-off in `T`. On periodic axes A must be periodic up to a linear function.
 pub fn vector_potential<T: Real>(

@@ -58,7 +58,7 @@ pub(super) fn energy_growth<T: Real, const D: usize>(case: &Case<D>, random: &mu
     Ok(if start > 0.0 { growth } else { last })
 }
 
-/// The residual of the energy identity of one backward Euler step (model/diffusion.md 1.2), relative to E:
+/// The residual of the energy identity of one backward Euler step, relative to E:
 /// E' - E = -1/2 |dphi|² - tau/2k_C |dq|² - dt k_F |G phi|² - dt/k_C |q|².
 pub(super) fn identity_error<const D: usize>(case: &Case<D>, random: &mut Random) -> Measured {
     let (law, grid, sides) = (&case.law, &case.grid, &case.sides);

@@ -1,10 +1,12 @@
 //! The corners: one random case each, in units of what is allowed.
 
 mod bounds;
+mod budget;
 mod exactness;
 mod limits;
 
 pub(super) use bounds::{Explicit, LongRun, Residual, Single, Stiffness, Transport, Walls};
+pub(super) use budget::{Budget, Fronts};
 pub(super) use exactness::{Amplitude, Input, Offset, Pockets, Spacing};
 pub(super) use limits::{Diffusivity, Relaxation, Share, Step};
 

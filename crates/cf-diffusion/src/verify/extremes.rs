@@ -1,4 +1,4 @@
-//! Random cases at the edges of every parameter: the table of model/diffusion.md section 8.
+//! Random cases at the edges of every parameter: tau, dt, F_T, k, h, amplitudes, offsets, media, grids, walls, input.
 
 use std::fmt;
 
@@ -109,4 +109,6 @@ corners!(
     Residual,
     LongRun,
     Single,
+    Budget,
+    Fronts,
 );

@@ -1,4 +1,4 @@
-//! Iteration counts of the multigrid solves over kappa and sizes (model/diffusion.md 5.3).
+//! Iteration counts of the multigrid solves over kappa and sizes.
 
 use cf_grid::{Axis, Layout, Mask, Sides};
 use cf_linear::{Helmholtz, Options, Plan, Solver, Stop};

@@ -6,7 +6,7 @@
 //! | [`orders`] | errors fall with the step and the spacing at the promised order |
 //! | [`conservation`] | mass is exact at any tolerance; E' never grows; backward Euler's energy identity |
 //! | [`iterations`] | multigrid solves need few iterations at any kappa and size |
-//! | [`extremes`](extremes()) | random cases at the edges of every parameter (model/diffusion.md section 8) |
+//! | [`extremes`](extremes()) | random cases at the edges of every parameter |
 //!
 //! Nothing here is needed for a simulation. Nothing panics: a step that fails makes its row fail and says why.
 

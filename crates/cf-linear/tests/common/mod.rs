@@ -42,7 +42,6 @@ pub fn mixes_2d() -> Vec<[Mix; 2]> {
     MIXES.iter().flat_map(|&a| MIXES.iter().map(move |&b| [a, b])).collect()
 }
 
-/// Every kind on every axis, and the pure ones.
 /// All 125 mixes of an axis' five kinds.
 pub fn all_mixes_3d() -> Vec<[Mix; 3]> {
     let m = MIXES;

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::exact::{Gaussian, Telegraph};
 
-/// The Riemann step of model 6.4 on a box of 3 c tau at t = 0.8 tau: phi along the line and its spacing.
+/// A Riemann step on a box of 3 c tau at t = 0.8 tau: phi along the line and its spacing.
 fn riemann(n: usize, axis: usize, cfl: f64) -> (Vec<f64>, f64) {
     let h = 3.0 / n as f64;
     let mut cells = [1; 2];

@@ -173,7 +173,7 @@ impl Check for Residual {
         layout.each_cell(layout.cells_region(), |at| {
             off = off.max((loose.phi[at.slot()].f64() - tight.phi[at.slot()].f64()).abs());
         });
-        // phi is rebuilt from fluxes: their rounding is that of phi times what conducts (model/diffusion.md 0.1).
+        // phi is rebuilt from fluxes: their rounding is that of phi times what conducts.
         let size = layout.max_abs(&tight.phi).max(1.0) * (1.0 + case.conductance(kappa));
         Ok(off / (1.05 * report.residual + 100.0 * T::EPSILON * size))
     }

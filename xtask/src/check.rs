@@ -17,7 +17,7 @@ const LEVELS: [(&str, &str); 3] = [
 /// Checks a scene file, or a figure.
 pub fn check(asked: &CheckArgs) -> Result<(), Failure> {
     let path = Path::new(&asked.scene);
-    let is_file = path.is_file() || (asked.scene.ends_with(".ron") && asked.scene.contains(['/', '\\']));
+    let is_file = path.is_file() || asked.scene.contains(['/', '\\']);
     let open = |options: &SceneOptions| match is_file {
         true => Ok(vec![open::file(path, options)?]),
         false => open::figure(&asked.scene, options),
@@ -34,13 +34,18 @@ pub fn check(asked: &CheckArgs) -> Result<(), Failure> {
 
 fn print(opened: &Opened) -> Result<(), Failure> {
     let experiment = &opened.experiment;
-    say!("{} ({}), preset {}", experiment.about.title, opened.name, experiment.preset.as_deref().unwrap_or("none"));
+    let title = if experiment.about.title.is_empty() { "Untitled" } else { &experiment.about.title };
+    say!("{title} ({}), preset {}", opened.name, experiment.preset.as_deref().unwrap_or("none"));
     say_part!("{}", show::wrap(&experiment.about.text, "  ", 100));
     let mut seconds = 0.0;
     for scene in &experiment.runs {
         seconds += print_run(scene)?;
     }
-    say!("\n{} claims will be checked:", experiment.claims.len());
+    match experiment.claims.len() {
+        0 => say!("\nThere are no claims to check."),
+        1 => say!("\nOne claim will be checked:"),
+        count => say!("\n{count} claims will be checked:"),
+    }
     for claim in &experiment.claims {
         say!("  {:<10} {:<6} {}", kind(&claim.kind), format!("{:?}", claim.source), claim.name);
     }

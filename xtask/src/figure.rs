@@ -90,7 +90,8 @@ fn again(opened: &Opened, asked: &RunOptions) -> String {
 }
 
 fn print(summary: &Summary, out: &Path, page: &Path) {
-    say!("\n{} in {}", summary.title, show::seconds(summary.seconds));
+    let title = if summary.title.is_empty() { &summary.scene } else { &summary.title };
+    say!("\n{title} in {}", show::seconds(summary.seconds));
     let rows: Vec<Vec<String>> = summary
         .runs
         .iter()

@@ -50,7 +50,10 @@ pub fn file(path: &Path, options: &SceneOptions) -> Result<Opened, Failure> {
         if error.kind() == std::io::ErrorKind::NotFound { Failure::usage(words) } else { Failure::io(words) }
     };
     let size = std::fs::metadata(path).map_err(unreadable)?;
-    if !size.is_file() || size.len() > LARGEST_FILE {
+    if !size.is_file() {
+        return Err(Failure::usage(format!("{shown}: this is not a file; a scene is one, such as my.ron")));
+    }
+    if size.len() > LARGEST_FILE {
         let words = format!("{shown}: a scene is a file of at most {} MB", LARGEST_FILE >> 20);
         return Err(Failure::usage(words));
     }

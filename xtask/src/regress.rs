@@ -61,7 +61,18 @@ const CASES: &[Case] = &[
             "accuracy.tolerance=1e-6",
         ],
     },
-    Case { name: "appendix_a_pitfall", scene: "appendix_a_pitfall", sets: &["grid.cells=(200)", "run.until=1"] },
+    Case {
+        name: "appendix_a_pitfall",
+        scene: "appendix_a_pitfall",
+        sets: &[
+            "printed:grid.cells=(200)",
+            "material:grid.cells=(200)",
+            "two_field:grid.cells=(200)",
+            "solver:grid.cells=(200, 1)",
+            "solver:grid.extent=(8, 0.04)",
+            "run.until=1",
+        ],
+    },
 ];
 
 /// Where goldens are kept.

@@ -142,7 +142,9 @@ fn warnings(scene: &Scene, pace: &Pace, ledger: &Ledger, drift: f64) -> Vec<Stri
     let lowest = ledger.rows.iter().map(|row| row.min).fold(0.0, f64::min);
     let highest = ledger.rows.iter().map(|row| row.max).fold(0.0, f64::max);
     if lowest < -0.01 * highest {
-        warnings.push(format!("phi fell to {lowest:.3e}; nothing is clamped, waves may dip below zero"));
+        let share =
+            if highest > 0.0 { format!(", {:.2} of its largest value", -lowest / highest) } else { String::new() };
+        warnings.push(format!("phi fell to {lowest:.3e}{share}; nothing is clamped, waves may dip below zero"));
     }
     warnings
 }

@@ -57,8 +57,15 @@ pub fn find(request: &str) -> Result<Vec<&'static CatalogScene>, SceneError> {
     let names = || SCENES.iter().flat_map(|scene| [scene.figure, scene.name]);
     let detail = Detail::new(format!("there is no figure or scene called `{}`", shorten(request)))
         .expected(one_of(names()))
-        .nearest(nearest(wanted, names()));
+        .nearest(nearest(wanted, names()).or_else(|| by_word(wanted)));
     Err(SceneError::new(Place::Whole { file: "scenes".to_owned() }, detail))
+}
+
+/// The scene that has a word like this in its name.
+fn by_word(wanted: &str) -> Option<String> {
+    let words = |scene: &'static CatalogScene| scene.name.split('_').skip(1);
+    let word = nearest(wanted, SCENES.iter().flat_map(words))?;
+    SCENES.iter().find(|scene| words(scene).any(|other| other == word)).map(|scene| scene.name.to_owned())
 }
 
 #[cfg(test)]
@@ -81,6 +88,7 @@ mod tests {
     fn an_unknown_figure_is_refused_with_the_nearest_name() {
         let message = |request: &str| find(request).map_err(|error| error.to_string()).unwrap_err();
         assert!(message("fig03_cone").contains("did you mean `fig03_cones`?"));
+        assert!(message("cnes").contains("did you mean `fig03_cones`?"));
         assert!(message("99").contains("there is no figure or scene called `99`"));
         assert!(message("").contains("expected `3`, `fig03_cones`"));
     }

@@ -79,14 +79,25 @@ impl SceneFile {
         Ok(file)
     }
 
-    /// Every preset is decoded, not only the one that will be asked for.
+    /// Every preset is decoded, and its sizes are checked, not only the one that will be asked for.
     fn check_presets(&self) -> Result<(), Problems> {
-        let decoded = |preset| -> Result<(), SceneError> {
+        let sized = |preset, run| -> Result<(), Problems> {
             let mut merged = self.base.clone();
             self.preset_overrides(preset)?.iter().try_for_each(|change| change.apply(&mut merged))?;
-            decode::<SceneSpec>(&merged).map(drop)
+            decode::<SceneSpec>(&merged)?;
+            self.variant_overrides(run)?.iter().try_for_each(|change| change.apply(&mut merged))?;
+            check::size(&decode(&merged)?, &merged)
         };
-        let problems = self.presets().filter_map(|preset| decoded(Some(preset)).err()).collect();
+        let mut problems: Vec<SceneError> = Vec::new();
+        for preset in self.presets() {
+            // What is wrong as written is told when the runs are unfolded; one run speaks for all.
+            let wrong = |run| {
+                let found = sized(Some(preset), run).err()?;
+                (found.iter().any(via_preset) || sized(None, run).is_ok()).then_some(found)
+            };
+            let found = (0..self.runs().count()).find_map(wrong);
+            problems.extend(found.iter().flat_map(Problems::iter).cloned());
+        }
         Problems::from_list(problems).map_or(Ok(()), Err)
     }
 
@@ -161,9 +172,7 @@ impl SceneFile {
         limits: &Limits,
     ) -> Result<(Scene, Vec<Use>), Problems> {
         let mut merged = base.clone();
-        let variant = Path(vec![Step::Key("run".into()), Step::Key("variants".into()), Step::Index(index)]);
-        let via = format!("variant {:?}", shorten(name));
-        for change in self.overrides_at(&variant, "set", &via)? {
+        for change in self.variant_overrides(index)? {
             change.apply(&mut merged)?;
         }
         for set in sets.iter().filter(|set| set.run.as_deref().is_none_or(|run| run == name)) {
@@ -175,6 +184,12 @@ impl SceneFile {
         scene.run = name.to_owned();
         scene.label = label.unwrap_or_else(|| name.to_owned());
         Ok((scene, uses))
+    }
+
+    fn variant_overrides(&self, index: usize) -> Result<Vec<Override>, SceneError> {
+        let name = self.runs().nth(index).unwrap_or_default();
+        let variant = Path(vec![Step::Key("run".into()), Step::Key("variants".into()), Step::Index(index)]);
+        self.overrides_at(&variant, "set", &format!("variant {:?}", shorten(name)))
     }
 
     fn preset_overrides(&self, preset: Option<&str>) -> Result<Vec<Override>, SceneError> {
@@ -219,6 +234,10 @@ impl SceneFile {
         };
         entries.iter().map(one).collect()
     }
+}
+
+fn via_preset(error: &SceneError) -> bool {
+    matches!(&*error.place, Place::File { via: Some(via), .. } if via.starts_with("preset"))
 }
 
 /// Refuses sections in another order than [`SECTIONS`].

@@ -137,7 +137,7 @@ fn step(scene: &Scene, model: &Diffusion, integrator: Integrator) -> (f64, Strin
     if dt <= bound || bound == 0.0 || matches!(scene.numerics.step, TimeStep::Cfl(_)) {
         (dt, reason)
     } else {
-        (bound, format!("1/{FEWEST_STEPS} of the run, below {reason}"))
+        (bound, format!("1/{FEWEST_STEPS} of the run; less than the {dt:.3e} s that waves and transport allow"))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Pictures of `phi`: one look for all frames of a run, and sheets that put runs side by side on one scale.
 
-use crate::scene::Scene;
+use crate::scene::{Grid, Scene};
 use crate::spec::Pictures;
 use crate::view::View;
 use cf_output::{
@@ -146,13 +146,18 @@ pub(crate) struct Last<'a> {
     pub values: Vec<f64>,
 }
 
+/// Whether two boxes have one size; of lines only the length counts.
+fn alike(a: &Grid, b: &Grid) -> bool {
+    if a.is_line() && b.is_line() { a.extent.first() == b.extent.first() } else { a.extent == b.extent }
+}
+
 /// The ends of all runs of one size side by side on one scale; `None` where there are fewer than two.
 pub(crate) fn sheet(title: &str, lasts: &[Last<'_>]) -> Result<Option<Canvas>, OutputError> {
     let Some(first) = lasts.first() else { return Ok(None) };
     let alike: Vec<&Last<'_>> = lasts
         .iter()
         .filter(|last| {
-            last.scene.grid.extent == first.scene.grid.extent && (last.time - first.time).abs() <= 1e-9 * first.time
+            alike(&last.scene.grid, &first.scene.grid) && (last.time - first.time).abs() <= 1e-9 * first.time
         })
         .collect();
     if alike.len() < 2 {

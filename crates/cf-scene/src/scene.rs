@@ -73,6 +73,11 @@ impl Grid {
     pub fn dimension(&self) -> usize {
         self.cells.len()
     }
+
+    /// Whether all cells lie along x.
+    pub fn is_line(&self) -> bool {
+        self.cells.iter().skip(1).all(|n| *n == 1)
+    }
 }
 
 /// The kinds of models.

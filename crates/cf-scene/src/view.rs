@@ -24,6 +24,9 @@ impl View {
     /// The plane itself, or in 3D the layer through the first source along the flow. `None` on a line.
     pub fn of(scene: &Scene) -> Option<View> {
         let grid = &scene.grid;
+        if grid.is_line() {
+            return None;
+        }
         let slice = match grid.dimension() {
             2 => Slice { axis: 2, index: 0 },
             3 => {

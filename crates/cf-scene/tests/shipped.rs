@@ -35,7 +35,7 @@ fn figure_3_has_the_four_mach_numbers() {
     }
     assert_eq!(&experiment.runs[0].grid.cells[..], [256, 512]);
     assert_eq!(&unfold("3", Some("draft")).runs[0].grid.cells[..], [64, 128]);
-    assert_eq!(experiment.claims.len(), 9);
+    assert_eq!(experiment.claims.len(), 11);
     assert_eq!(unfold("3", Some("draft")).claims.len(), 3);
 }
 

@@ -108,9 +108,9 @@ fn one(check: &mut Checker<'_>, path: &str, claim: &Claim, runs: &[Scene]) {
         }
         Statement::Speed { run, tolerance, .. } => {
             check.positive(&key("tolerance"), *tolerance);
-            let pulse = find(runs, run).is_none_or(|scene| matches!(scene.model, Model::SingleField(_)));
-            check.require(pulse, &key("run"), || {
-                Detail::new("a pulse's speed needs one dimension").expected("a SingleField run")
+            let line = find(runs, run).is_none_or(|scene| scene.grid.is_line());
+            check.require(line, &key("run"), || {
+                Detail::new("a pulse's speed needs one dimension").expected("a run on a grid of n or n x 1 cells")
             });
         }
     }

@@ -25,7 +25,7 @@ pub(crate) use names::names;
 use crate::error::{Detail, Problems, SceneError, number};
 use crate::pace::Pace;
 use crate::scene::Scene;
-use crate::spec::SceneSpec;
+use crate::spec::{Precision, SceneSpec};
 use crate::text::merged::Merged;
 use crate::text::path::Path;
 use crate::text::tree::Shape;
@@ -47,6 +47,10 @@ pub(crate) fn scene(
     let sides = sides::sides(&mut check, &spec.sides, &grid, &model);
     let numerics = numerics::numerics(&mut check, &spec.accuracy, &grid, &model, preset);
     let schedule = schedule::schedule(&mut check, &spec.run);
+    if numerics.precision == Precision::F32 {
+        model::fits_f32(&mut check, &model);
+        sides::fits_f32(&mut check, &sides);
+    }
     output::output(&mut check, &spec.output);
     let (run, label) = (String::new(), String::new());
     let (output, warnings) = (spec.output.clone(), Vec::new());
@@ -63,6 +67,17 @@ pub(crate) fn scene(
     let uses = knobs::uses(&check, &spec.accuracy, &scene, &pace);
     scene.warnings = check.warnings;
     Ok((scene, uses))
+}
+
+/// Validates what a size decides: the grid, and the model on it.
+pub(crate) fn size(spec: &SceneSpec, merged: &Merged) -> Result<(), Problems> {
+    let mut check = Checker::new(merged);
+    check.every_number_is_finite();
+    check.stop()?;
+    let grid = grid::grid(&mut check, spec);
+    check.stop()?;
+    model::model(&mut check, &spec.model, &grid);
+    check.stop()
 }
 
 /// The most problems that are reported at once; more help nobody and each costs a look through the text.
@@ -117,6 +132,12 @@ impl<'a> Checker<'a> {
 
     pub(crate) fn not_negative(&mut self, path: &str, value: f64) -> bool {
         self.require(value >= 0.0, path, || out_of_range("0 or greater", value))
+    }
+
+    pub(crate) fn fits_f32(&mut self, path: &str, value: f64) -> bool {
+        self.require((value as f32).is_finite(), path, || {
+            Detail::new("does not fit f32").expected("at most 3.4e38").found(number(value)).advice("use precision: f64")
+        })
     }
 
     /// The problems so far, as an error.

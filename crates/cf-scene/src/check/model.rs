@@ -66,6 +66,17 @@ pub(super) fn model(check: &mut Checker<'_>, spec: &ModelSpec, grid: &Grid) -> M
     }
 }
 
+/// Refuses what single precision cannot hold.
+pub(super) fn fits_f32(check: &mut Checker<'_>, model: &Model) {
+    let Model::Diffusion(model) = model else { return };
+    for (i, deposit) in model.initial.iter().enumerate() {
+        check.fits_f32(&format!("model.initial[{i}].value"), deposit.value);
+    }
+    for (i, source) in model.sources.iter().enumerate() {
+        check.fits_f32(&format!("model.sources[{i}].rate"), source.rate);
+    }
+}
+
 /// Notes a scene in which nothing can happen.
 pub(super) fn empty(check: &mut Checker<'_>, scene: &Scene) {
     let Model::Diffusion(model) = &scene.model else { return };

@@ -62,6 +62,22 @@ fn wall(check: &mut Checker<'_>, axis: usize, end: &str, wall: &Wall, model: &Mo
     });
 }
 
+/// Refuses what single precision cannot hold.
+pub(super) fn fits_f32(check: &mut Checker<'_>, sides: &Axes<AxisSides>) {
+    for (name, axis) in NAMES.iter().zip(sides.iter()) {
+        let AxisSides::Walls { low, high } = axis else { continue };
+        for (end, wall) in [("low", low), ("high", high)] {
+            let value = match *wall {
+                Wall::Closed => continue,
+                Wall::Flux(value) | Wall::Value(value) => value,
+                Wall::Absorbing { far, .. } => far,
+                Wall::Open { inflow } => inflow,
+            };
+            check.fits_f32(&format!("sides.{name}.{end}"), value);
+        }
+    }
+}
+
 /// Whether a prescribed medium passes through the walls of an axis.
 fn passes(medium: &Medium, axis: usize) -> bool {
     match medium {

@@ -20,7 +20,8 @@ pub struct AccuracySpec {
     pub cfl: Option<f64>,
     /// How the time step is found, instead of `dt` and `cfl`.
     pub step: Option<StepRule>,
-    /// Relative residual at which a solve stops.
+    /// Relative residual at which a solve stops. Mass is exact at any; the energy may grow by a share of the order of its
+    /// square in a step.
     pub tolerance: Option<f64>,
     /// Floating-point numbers.
     pub precision: Option<Precision>,

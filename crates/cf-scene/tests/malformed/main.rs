@@ -176,6 +176,12 @@ const PRESETS: &[(&str, &str, &str, &[&str])] = &[
         &["s.ron:2:74 (preset \"paper\"): run.until: wrong kind of value: expected a number, found the word `Never`"],
     ),
     (
+        "axis missing in a preset that is not chosen",
+        "{}, \"paper\": {\"grid.cells\": (16,)}",
+        "standard",
+        &["s.ron:2:75 (preset \"paper\"): grid.cells: Diffusion has two or three dimensions"],
+    ),
+    (
         "no item in a preset that is not chosen",
         "{\"model.sources[4].rate\": 1}",
         "standard",

@@ -134,6 +134,19 @@ pub const SCENES: &[Case] = &[
     // numbers
     ("NaN", "k: 1.0", "k: NaN", &["s.ron:6:18: model.law.k: not a finite number: found the word `NaN`"]),
     ("infinity", "until: 1.0", "until: inf", &["s.ron:12:18: run.until: not a finite number"]),
+    (
+        "rate beyond f32",
+        "rate: 50.0)],\n    ),\n    accuracy: (level: Standard, precision: f64)",
+        "rate: 1e39)],\n    ),\n    accuracy: (level: Standard)",
+        &["s.ron:9:72: model.sources[0].rate: does not fit f32", "at most 3.4e38, found 1e39", "use precision: f64"],
+    ),
+    (
+        "start beyond f32",
+        "value: 0.0)],\n        sources: [(shape: Ball(center: (0.5, 0.5), radius: 0.1), rate: 50.0)],\n    ),\n    \
+         accuracy: (level: Standard, precision: f64)",
+        "value: -1e39)],\n    ),\n    accuracy: (level: Standard)",
+        &["s.ron:8:46: model.initial[0].value: does not fit f32", "use precision: f64"],
+    ),
     ("minus infinity", "rate: 50.0", "rate: -inf", &["s.ron:9:72: model.sources[0].rate: not a finite number"]),
     (
         "overflow",

@@ -1,4 +1,4 @@
-//! Divergence, gradient and sums on the MAC grid (model/fluid section 1): Div = -Gradᵀ, so that the projection is an
+//! Divergence, gradient and sums on the MAC grid: Div = -Gradᵀ, so that the projection is an
 //! orthogonal projector.
 //!
 //! Velocities are in m/s, the potential s in m/s times h: div u = out/h with out = Σ (u_R - u_L), grad s = s - s_low.

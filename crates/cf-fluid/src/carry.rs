@@ -1,4 +1,4 @@
-//! Semi-Lagrangian transport of cells and faces (model/fluid section 2).
+//! Semi-Lagrangian transport of cells and faces.
 //!
 //! Every value is fetched from the foot of its trajectory: any step is stable. Feet do not cross closed walls; what comes
 //! through the others is what the wall lets in, reached linearly from the outermost value. Near solids the cubic is held

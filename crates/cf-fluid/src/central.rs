@@ -1,4 +1,4 @@
-//! Central differences that conserve kinetic energy (Harlow and Welch 1965), for reference (model/fluid section 2).
+//! Central differences that conserve kinetic energy (Harlow and Welch 1965), for reference.
 
 use cf_grid::{FaceField, Layout, Real, Sides};
 

@@ -1,4 +1,4 @@
-//! A fluid that carries a diffusing quantity, in the order of model/fluid section 4.
+//! A fluid that carries a diffusing quantity, in symmetric (Strang) order or in the paper's.
 //!
 //! | | [`Splitting::Strang`](cf_diffusion::Splitting::Strang) with a second-order scheme | [`Splitting::Paper`](cf_diffusion::Splitting::Paper) with [`Scheme::Draft`](crate::Scheme::Draft) |
 //! |---|---|---|

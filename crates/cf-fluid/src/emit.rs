@@ -1,4 +1,4 @@
-//! Emitters: where fluid and the transported quantity enter (model/fluid section 4, 1.).
+//! Emitters: where fluid and the transported quantity enter.
 
 use cf_grid::{CellField, End, Grid, Mask, Real, Sides};
 

@@ -1,4 +1,4 @@
-//! Flows with known solutions, for checks (model/fluid section 5). All are sampled as discrete curls: free of divergence
+//! Flows with known solutions, for checks. All are sampled as discrete curls: free of divergence
 //! to round-off.
 
 use cf_diffusion::MediumError;

@@ -2,7 +2,7 @@
 //!
 //! Faces between fluid cells are open. Faces of solids hold 0, wall faces what their wall says, and emitters may hold
 //! faces of their own. Closed faces have the pressure coefficient 0, so that no solve changes them: no-penetration is
-//! exact for any tolerance (model/fluid section 3).
+//! exact for any tolerance.
 
 use cf_grid::{End, FaceField, Layout, Mask, Real, Region, Sides};
 

@@ -79,7 +79,7 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         if speed > 0.0 { cfl * self.grid.h() / speed } else { f64::INFINITY }
     }
 
-    /// The longest step that resolves buoyancy \[s\]: 1/sqrt(g beta_b max|grad phi|) (model/fluid section 4).
+    /// The longest step that resolves buoyancy \[s\]: 1/sqrt(g beta_b max|grad phi|).
     pub fn buoyancy_dt(&self, phi: &CellField<T>) -> f64 {
         let Some(buoyancy) = self.settings.buoyancy else { return f64::INFINITY };
         let (layout, mask) = (self.grid.layout(), self.mask());

@@ -1,4 +1,4 @@
-//! The projection onto velocities without divergence (model/fluid section 3).
+//! The projection onto velocities without divergence.
 //!
 //! Lap_h s = div u*, u = u* - grad s, with faces open between fluid cells only. The residual of this solve is the
 //! divergence that remains, so that the solve stops on it directly, and it is measured again on the velocity itself.

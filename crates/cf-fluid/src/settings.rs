@@ -5,7 +5,7 @@ use cf_linear::Precision;
 use crate::carry::Interpolation;
 use crate::error::FlowError;
 
-/// How the velocity is advanced (model/fluid section 2).
+/// How the velocity is advanced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Scheme {
     /// [`Cnp`](Self::Cnp) up to CFL_u = 1, [`ReflectionExtrapolated`](Self::ReflectionExtrapolated) above, step by step.

@@ -1,4 +1,4 @@
-//! The schemes, in the two halves of a step (model/fluid section 2).
+//! The schemes, in the two halves of a step.
 
 use cf_grid::{CellField, Real};
 

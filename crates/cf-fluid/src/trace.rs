@@ -1,4 +1,4 @@
-//! Where the fluid at a stretch of values came from: the midpoint rule backwards in time (model/fluid section 2).
+//! Where the fluid at a stretch of values came from: the midpoint rule backwards in time.
 
 use cf_grid::Real;
 

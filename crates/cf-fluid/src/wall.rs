@@ -28,7 +28,7 @@ impl<const D: usize> FlowWall<D> {
         }
     }
 
-    /// Conductance of the wall face for the pressure, in units of an inner face (model/fluid section 3).
+    /// Conductance of the wall face for the pressure, in units of an inner face.
     pub(crate) fn conductance(self) -> f64 {
         if matches!(self, FlowWall::Open(_)) { 2.0 } else { 0.0 }
     }

@@ -1,4 +1,4 @@
-//! Case 8 of model/fluid section 5 and its section 4: what the flow carries.
+//! What the flow carries: the same as in a prescribed flow, and none of it is lost.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! Checks of cf-fluid against model/fluid section 5.
+//! Checks of cf-fluid against flows with known solutions.
 
 mod common;
 mod coupled;

@@ -1,4 +1,4 @@
-//! Cases 3 to 6 and 9 of model/fluid section 5, and walls and obstacles, which its tables leave out.
+//! Dipoles, energy, hydrostatics, streams past obstacles, walls: flows whose behaviour is known.
 
 use std::f64::consts::{PI, TAU};
 
@@ -348,7 +348,7 @@ proptest! {
     }
 }
 
-/// Energy kept after 10 turnover units (model/fluid section 2; measured there on another random field).
+/// Energy kept after 10 turnover units.
 #[test]
 fn energy_kept_by_a_random_flow() {
     let n = 64;

@@ -1,4 +1,4 @@
-//! Projector identities (model/fluid section 1 and case 7).
+//! Projector identities.
 
 use cf_fluid::{FlowWall, Shape, net_outflow, obstacles};
 use cf_grid::{Axis, CellField, FaceField, Grid, Mask, Sides};

@@ -1,4 +1,4 @@
-//! The tables of model/fluid section 2: steady and translating Taylor-Green vortices, periodic, T = 2.
+//! Errors, orders and energies of the schemes: steady and translating Taylor-Green vortices, periodic, T = 2.
 
 use std::f64::consts::TAU;
 

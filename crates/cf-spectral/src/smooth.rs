@@ -15,7 +15,7 @@ use crate::transform::{Direction, Of};
 /// τ φ_tt + φ_t = k ∇²φ + τ k_F ∇²φ_t              φ [P], k [m²/s], τ [s]
 /// ```
 ///
-/// (model/diffusion.md 1.1) for the smoothest function through the centres that suits the walls. The eigenvalue of a wave
+/// for the smoothest function through the centres that suits the walls. The eigenvalue of a wave
 /// is K², not that of differences; so the error is what the grid cannot show of the initial data, e.g. e^{−(πs/h)²/2} for a
 /// Gaussian of standard deviation s.
 ///

@@ -71,7 +71,7 @@ impl<'a> Part<'a> {
                 tables.push(tables::transport(&sweep.rows));
             }
         }
-        claims.extend(tables.iter().map(claims::table));
+        claims.extend(tables.iter().filter(|table| !table.rows.is_empty()).map(claims::table));
         if quick {
             // Small grids show how it is done, not what holds.
             claims.retain(|claim| claim.pass);

@@ -143,7 +143,7 @@ mod tests {
         let (width, rise) = shape(&ramp, 1.0);
         assert!((width - 8.0).abs() < 1e-12 && rise == 0.0, "{width} {rise}");
         let mut bump = ramp;
-        bump[5] = 0.9;
+        bump[25] = 0.4;
         assert!((shape(&bump, 0.5).1 - 0.4).abs() < 1e-12);
     }
 }

@@ -117,7 +117,7 @@ impl Problem {
     }
 
     /// P3: a steady Gaussian source in a uniform flow of 1 m/s, H_c = |u|/c by the total k, periodic in both directions
-    /// and judged before anything has come around; see [`Wake`].
+    /// and judged before anything has come around.
     pub fn wake(n: usize, hc: f64, share: f64) -> Result<Self, TradeoffError> {
         let name = format!("P3 H_c = {hc:.3}, F_T = {share}");
         Ok(Self { name, kind: Kind::Plane(Box::new(crate::wake::wake(n, hc, share)?)) })

@@ -1,6 +1,6 @@
 //! Norms and sums of rows, each formed in one pass.
 
-use cf_grid::{Layout, Max, Real};
+use cf_grid::{Layout, Max, Real, array};
 
 /// Numbers taken at once.
 pub(crate) const BLOCK: usize = 16;
@@ -37,7 +37,8 @@ pub(crate) fn residual_norms<T: Real>(r: &[T]) -> (f64, f64, Max) {
     norms_of_row::<T, true>(r)
 }
 
-/// The same with the sum of a lane of the row in the precision of `T`: enough to notice that a constant drifts in.
+/// The same with the lanes of a row summed in the precision of `T`, in half the time for `f32`: enough to stop by, and to
+/// notice that a constant drifts in.
 #[inline(always)]
 pub(crate) fn running_norms<T: Real>(r: &[T]) -> (f64, f64, Max) {
     norms_of_row::<T, false>(r)
@@ -47,20 +48,27 @@ pub(crate) fn running_norms<T: Real>(r: &[T]) -> (f64, f64, Max) {
 fn norms_of_row<T: Real, const EXACT: bool>(r: &[T]) -> (f64, f64, Max) {
     let (blocks, rest) = r.as_chunks::<BLOCK>();
     let (mut squares, mut sums, mut largest) = ([0.0; BLOCK], [0.0; BLOCK], [T::ZERO; BLOCK]);
-    let mut rough = [T::ZERO; BLOCK];
+    let mut rough = [[T::ZERO; BLOCK]; 2];
     for r in blocks {
-        for k in 0..BLOCK {
-            squares[k] += r[k].f64() * r[k].f64();
-            if EXACT {
+        if EXACT {
+            for k in 0..BLOCK {
+                squares[k] += r[k].f64() * r[k].f64();
                 sums[k] += r[k].f64();
-            } else {
-                rough[k] += r[k];
             }
-            largest[k] = r[k].abs().max(largest[k]);
+        } else {
+            for k in 0..BLOCK {
+                rough[0][k] += r[k] * r[k];
+                rough[1][k] += r[k];
+            }
         }
+        largest = array(
+            #[inline(always)]
+            |k| r[k].abs().max(largest[k]),
+        );
     }
     let (mut square, mut sum) = (squares.iter().sum::<f64>(), sums.iter().sum::<f64>());
-    sum += rough.iter().map(|v| v.f64()).sum::<f64>();
+    let [rough_square, rough_sum] = rough.map(|lanes| lanes.iter().map(|v| v.f64()).sum::<f64>());
+    (square, sum) = (square + rough_square, sum + rough_sum);
     let mut most = largest.iter().fold(T::ZERO, |m, v| m.max(*v));
     for &v in rest {
         square += v.f64() * v.f64();
@@ -89,10 +97,15 @@ impl<T: Real> Default for Largest<T> {
 impl<T: Real> Largest<T> {
     #[inline(always)]
     pub fn take(&mut self, values: &[T; BLOCK]) {
-        for k in 0..BLOCK {
-            self.lanes[k] = values[k].abs().max(self.lanes[k]);
-            self.zeros[k] += T::ZERO * values[k];
-        }
+        let (lanes, zeros) = (self.lanes, self.zeros);
+        self.lanes = array(
+            #[inline(always)]
+            |k| values[k].abs().max(lanes[k]),
+        );
+        self.zeros = array(
+            #[inline(always)]
+            |k| zeros[k] + T::ZERO * values[k],
+        );
     }
 
     /// With the last, incomplete block.

@@ -164,18 +164,23 @@ fn each<T: Real, const D: usize>(
     bulk: impl Fn(usize, &mut [T]),
     end: impl Fn(usize, usize) -> T,
 ) {
-    let first = run.cell[0];
+    let (first, len) = (run.cell[0], run.len());
     let mut values = [T::ZERO; CHUNK];
-    for from in (0..run.len()).step_by(CHUNK) {
-        let to = (from + CHUNK).min(run.len());
-        let values = &mut values[..to - from];
-        bulk(from, values);
+    for from in (0..len).step_by(CHUNK) {
+        let to = (from + CHUNK).min(len);
+        // The compiler does the last cells of a loop one by one, unless it knows their number: the last chunk begins early.
+        let start = if len < CHUNK { from } else { to - CHUNK };
+        if len < CHUNK {
+            bulk(start, &mut values[..to - start]);
+        } else {
+            bulk(start, &mut values);
+        }
         for i in [0, n.saturating_sub(2), n - 1] {
             if (first + from..first + to).contains(&i) {
-                values[i - first - from] = end(i, i - first);
+                values[i - first - start] = end(i, i - first);
             }
         }
-        for (out, &value) in out[from..to].iter_mut().zip(&*values) {
+        for (out, &value) in out[from..to].iter_mut().zip(&values[from - start..]) {
             *out = f(value, *out);
         }
     }

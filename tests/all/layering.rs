@@ -14,7 +14,7 @@ fn arrows() -> BTreeMap<&'static str, &'static [&'static str]> {
         ("cf-tradeoff", &["cf-diffusion", "cf-grid", "cf-linear", "cf-spectral"]),
         ("cf-output", &["cf-grid"]),
         ("cf-scene", &["cf-diffusion", "cf-grid", "cf-linear", "cf-output"]),
-        ("xtask", &["cf-diffusion", "cf-grid", "cf-linear", "cf-output", "cf-scene", "cf-tradeoff"]),
+        ("xtask", &["cf-diffusion", "cf-fluid", "cf-grid", "cf-linear", "cf-output", "cf-scene", "cf-tradeoff"]),
         ("cf-tests", &[]),
     ])
 }

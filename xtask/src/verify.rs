@@ -1,4 +1,4 @@
-//! `verify`: the tables of `cf_diffusion::verify`, printed and judged.
+//! `verify`: the tables of `cf_diffusion::verify` and `cf_fluid::verify`, printed and judged.
 
 use crate::cli::VerifyArgs;
 use crate::failure::Failure;
@@ -9,11 +9,13 @@ use std::time::Instant;
 /// A table by name.
 type Entry = (&'static str, fn() -> verify::Table);
 
-const TABLES: [Entry; 4] = [
+const TABLES: [Entry; 6] = [
     ("amplification", verify::amplification),
     ("orders", verify::orders),
     ("conservation", verify::conservation),
     ("iterations", verify::iterations),
+    ("projector", cf_fluid::verify::projector),
+    ("vortices", cf_fluid::verify::vortices),
 ];
 
 /// Prints the tables and fails where a row does.
@@ -37,7 +39,7 @@ pub fn verify(asked: &VerifyArgs) -> Result<(), Failure> {
         count += 1;
         let begun = Instant::now();
         say!("extremes: {} random cases at the edges of the parameters, seed {}", asked.cases, asked.seed);
-        for corner in pool::within(pool::threads(None), || verify::extremes(asked.cases, asked.seed))? {
+        for corner in pool::within(pool::threads(None), || extremes(asked.cases, asked.seed))? {
             say!("{corner}");
             if !corner.pass {
                 failed.push(format!("extremes ({})", corner.name));
@@ -61,10 +63,20 @@ pub fn verify(asked: &VerifyArgs) -> Result<(), Failure> {
     }
 }
 
+/// A quarter of the cases are of flows.
+fn extremes(cases: usize, seed: u64) -> Vec<verify::Corner> {
+    let flows = cases / 4;
+    let mut corners = verify::extremes(cases - flows, seed);
+    corners.extend(cf_fluid::verify::extremes(flows, seed));
+    corners
+}
+
 /// One case again, with its error if it has one.
 fn repeat(corner: &str, seed: u64) -> Result<(), Failure> {
-    let found =
-        pool::within(pool::threads(None), || verify::repeat(corner, seed).map(|case| case.map_err(|e| e.to_string())));
+    let found = pool::within(pool::threads(None), || {
+        let case = verify::repeat(corner, seed).or_else(|| cf_fluid::verify::repeat(corner, seed));
+        case.map(|found| found.map_err(|e| e.to_string()))
+    });
     match found? {
         None => {
             Err(Failure::usage(format!("there is no corner `{corner}`; `cargo xtask verify --extremes` lists them")))

@@ -60,6 +60,8 @@ mod shape;
 mod steps;
 mod trace;
 mod transport;
+#[cfg(feature = "verify")]
+pub mod verify;
 mod wall;
 
 pub use calculus::{kinetic_energy, net_outflow};

@@ -6,3 +6,4 @@ mod extremes;
 mod physics;
 mod projection;
 mod taylor_green;
+mod verify;

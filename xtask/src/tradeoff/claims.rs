@@ -128,9 +128,12 @@ pub fn cones(rows: &[Measured], angles: &[(String, usize, f64)]) -> Vec<Claim> {
         let front = of(Scheme::Front).map(|m| m.angle).fold(f64::NAN, f64::max);
         let paper = of(Scheme::PaperBe).map(|m| m.angle).fold(f64::NAN, f64::max);
         claims.push(Claim {
-            name: format!("{problem}: the front scheme has the cone of the solution to 0.1 degrees"),
+            // Half of what figure 3 asks for.
+            name: format!(
+                "{problem}: the front scheme has the cone of the solution to 0.5 degrees, nearer than PaperBe"
+            ),
             measured: format!("{front:.2} for {exact:.2} degrees; PaperBe up to {paper:.2}"),
-            pass: (front - exact).abs() <= 0.1,
+            pass: (front - exact).abs() <= 0.5 && (front - exact).abs() < (paper - exact).abs(),
         });
     }
     claims

@@ -52,24 +52,33 @@ fn one<C: Check>(seed: u64) -> Measured {
     }
 }
 
-fn corner<C: Check>(cases: usize, seeds: &mut Random) -> Corner {
-    let (name, expected) = (C::NAME, C::EXPECTED);
-    let mut all = Corner { name, expected, cases, worst: f64::NEG_INFINITY, seed: 0, pass: true, note: String::new() };
-    for _ in 0..cases {
-        let seed = seeds.bits();
-        let (found, note) = match one::<C>(seed) {
-            Ok(found) => (found, String::new()),
-            Err(why) => (f64::INFINITY, why.to_string()),
-        };
-        // NaN is worse than anything.
-        let pass = found <= 1.0;
-        let worse = found > all.worst || found.is_nan();
-        if worse && all.worst != f64::INFINITY {
-            (all.worst, all.seed, all.note) = (if found.is_nan() { f64::INFINITY } else { found }, seed, note);
+impl Corner {
+    /// Runs `cases` cases with seeds drawn from `seeds`; each returns what it found in units of what is allowed.
+    pub fn of(
+        name: &'static str,
+        expected: &'static str,
+        cases: usize,
+        seeds: &mut Random,
+        case: impl Fn(u64) -> Measured,
+    ) -> Self {
+        let mut all =
+            Self { name, expected, cases, worst: f64::NEG_INFINITY, seed: 0, pass: true, note: String::new() };
+        for _ in 0..cases {
+            let seed = seeds.bits();
+            let (found, note) = match case(seed) {
+                Ok(found) => (found, String::new()),
+                Err(why) => (f64::INFINITY, why.to_string()),
+            };
+            // NaN is worse than anything.
+            let pass = found <= 1.0;
+            let worse = found > all.worst || found.is_nan();
+            if worse && all.worst != f64::INFINITY {
+                (all.worst, all.seed, all.note) = (if found.is_nan() { f64::INFINITY } else { found }, seed, note);
+            }
+            all.pass &= pass;
         }
-        all.pass &= pass;
+        all
     }
-    all
 }
 
 macro_rules! corners {
@@ -79,7 +88,10 @@ macro_rules! corners {
             let kinds = [$(corners::$name::NAME),+].len();
             let each = count.div_ceil(kinds);
             let mut seeds = Random(seed);
-            vec![$(corner::<corners::$name>(each, &mut seeds)),+]
+            vec![$({
+                type Kind = corners::$name;
+                Corner::of(Kind::NAME, Kind::EXPECTED, each, &mut seeds, one::<Kind>)
+            }),+]
         }
 
         /// Runs one case of a corner again; `None` if there is no corner of that name.

@@ -5,7 +5,7 @@ use crate::build::build;
 use crate::checkpoint;
 use crate::frames::{self, Frames};
 use crate::ledger::Ledger;
-use crate::model::Model;
+use crate::model::{Model, StepFailure};
 use crate::pace::{Leg, MOST_STEPS, Pace};
 use crate::perform::Options;
 use crate::progress::{Progress, Watch, Wish};
@@ -24,6 +24,8 @@ use std::time::{Duration, Instant};
 const LOOK: u64 = 8;
 /// The first step of an adaptive run, as a part of the longest.
 const FIRST: f64 = 1.0 / 64.0;
+/// A step of a solved fluid that is shorter, as a part of the longest, is that of an unstable one.
+const SHORTEST: f64 = 1e-6;
 /// Between checkpoints, which are written at frames.
 const CHECKPOINT: Duration = Duration::from_secs(60);
 
@@ -91,6 +93,7 @@ impl Runner<'_> {
             begun,
             saved: begun,
             steps: pace.steps_of(&scene.schedule, &legs),
+            longest: pace.dt,
             before_step: Backup::default(),
         };
         if let (TimeStep::Adaptive(tolerance), None) = (scene.numerics.step, running.ledger.controller) {
@@ -139,6 +142,8 @@ struct Running<'a> {
     saved: Instant,
     /// Steps in all, where they are fixed.
     steps: f64,
+    /// The longest step \[s\].
+    longest: f64,
     /// Where an adaptive step goes back to.
     before_step: Backup,
 }
@@ -150,7 +155,7 @@ impl Running<'_> {
             self.frame(0)?;
         }
         let mut before = 0u64;
-        if self.ledger.controller.is_some() {
+        if self.ledger.controller.is_some() || matches!(self.runner.scene.numerics.step, TimeStep::Courant(_)) {
             return self.through_adaptively(legs, most, watch);
         }
         for leg in legs {
@@ -170,14 +175,17 @@ impl Running<'_> {
         self.frame_if_new()
     }
 
-    /// The legs in steps that a controller chooses; the ends of legs are met exactly.
+    /// The legs in steps that a controller or a fluid chooses; the ends of legs are met exactly.
     fn through_adaptively(&mut self, legs: &[Leg], most: u64, watch: &mut dyn Watch) -> Result<(), RunError> {
         for leg in legs {
             while self.ledger.time < leg.end {
                 if self.ledger.step >= most {
                     return self.frame_if_new();
                 }
-                self.adapt(leg)?;
+                match self.runner.scene.numerics.step {
+                    TimeStep::Courant(cfl) => self.flow(leg, cfl)?,
+                    _ => self.adapt(leg)?,
+                }
                 if self.ledger.time == leg.end {
                     self.arrive(leg)?;
                 }
@@ -185,6 +193,24 @@ impl Running<'_> {
             }
         }
         self.frame_if_new()
+    }
+
+    /// One step as long as a fluid allows now; the rest of the leg is divided equally.
+    fn flow(&mut self, leg: &Leg, cfl: f64) -> Result<(), RunError> {
+        let (from, run) = (self.ledger.time, || self.runner.scene.run.clone());
+        let rest = leg.end - from;
+        let longest = self.model.longest(from, cfl).min(self.longest);
+        let wrong = |source| RunError::Step { run: run(), step: self.ledger.step + 1, time: from, source };
+        // An unstable flow doubles its speed every few steps; it must not bring the run to a halt.
+        if longest.is_nan() || longest < SHORTEST * self.longest {
+            return Err(wrong(StepFailure::Runaway { dt: longest }));
+        }
+        let parts = (rest / longest - 1e-6).ceil().max(1.0);
+        let dt = rest / parts;
+        let report = self.model.advance(from, dt, &mut self.stopwatch).map_err(wrong)?;
+        self.ledger.count(&report, self.model.flow().as_ref(), dt);
+        self.ledger.time = if parts == 1.0 { leg.end } else { from + dt };
+        self.look(parts == 1.0)
     }
 
     /// One step that stands, after as many as do not.
@@ -203,7 +229,7 @@ impl Running<'_> {
             let stands = stands.map_err(|why: StepError| wrong(next, why.into()))?;
             self.ledger.controller = Some(controller);
             if stands {
-                self.ledger.count(&report, dt);
+                self.ledger.count(&report, None, dt);
                 self.ledger.samples.embedded(report.error, norm);
                 self.ledger.time = if dt == leg.end - from { leg.end } else { from + dt };
                 return self.look(self.ledger.time == leg.end);
@@ -219,14 +245,15 @@ impl Running<'_> {
         let (from, dt) = (leg.time(step), leg.dt());
         let run = || self.runner.scene.run.clone();
         let (model, watch) = (&mut *self.model, &mut self.stopwatch);
-        let made = if self.runner.options.estimate && sample::is_due(self.ledger.step, self.steps) {
+        let sampled = self.runner.options.estimate && self.runner.scene.fluid().is_none();
+        let made = if sampled && sample::is_due(self.ledger.step, self.steps) {
             self.ledger.samples.step(model, from, dt, watch)
         } else {
             model.advance(from, dt, watch)
         };
         let report =
             made.map_err(|source| RunError::Step { run: run(), step: self.ledger.step + 1, time: from, source })?;
-        self.ledger.count(&report, dt);
+        self.ledger.count(&report, self.model.flow().as_ref(), dt);
         self.ledger.time = leg.time(step + 1);
         self.look(step + 1 == leg.steps)
     }

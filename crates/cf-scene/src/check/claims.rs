@@ -208,7 +208,11 @@ pub(crate) fn read(parameter: Knob, scene: &Scene) -> Option<f64> {
         Knob::CellSize => Some(scene.grid.spacing),
         Knob::TimeStep => match scene.numerics.step {
             TimeStep::Fixed(dt) => Some(dt),
-            TimeStep::Cfl(_) | TimeStep::Bounded(_) | TimeStep::Adaptive(_) | TimeStep::Shift(_) => None,
+            TimeStep::Cfl(_)
+            | TimeStep::Bounded(_)
+            | TimeStep::Adaptive(_)
+            | TimeStep::Courant(_)
+            | TimeStep::Shift(_) => None,
         },
     }
 }

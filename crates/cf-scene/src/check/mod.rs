@@ -3,9 +3,11 @@
 //! Each section has a function that takes what was written and gives what it means, reporting every problem it meets.
 
 mod claims;
+mod fluid;
 mod grid;
 mod knobs;
 mod law;
+mod mask;
 pub(crate) mod memory;
 mod model;
 mod names;
@@ -24,11 +26,12 @@ pub(crate) use names::names;
 
 use crate::error::{Detail, Problems, SceneError, number};
 use crate::pace::Pace;
-use crate::scene::Scene;
+use crate::scene::{Model, Scene};
 use crate::spec::{Precision, SceneSpec};
 use crate::text::merged::Merged;
 use crate::text::path::Path;
 use crate::text::tree::Shape;
+use std::path::PathBuf;
 
 /// Validates one run and says which knobs it was given. Its name and label are left empty.
 pub(crate) fn scene(
@@ -42,9 +45,12 @@ pub(crate) fn scene(
     check.stop()?;
     let grid = grid::grid(&mut check, spec);
     check.stop()?;
-    let model = model::model(&mut check, &spec.model, &grid);
+    let mut model = model::model(&mut check, &spec.model, &grid);
     check.stop()?;
     let sides = sides::sides(&mut check, &spec.sides, &grid, &model);
+    if let Model::Diffusion(model) = &mut model {
+        model.fluid = fluid::fluid(&mut check, &model.medium, &sides, &grid);
+    }
     let numerics = numerics::numerics(&mut check, &spec.accuracy, &grid, &model, preset);
     let schedule = schedule::schedule(&mut check, &spec.run);
     if numerics.precision == Precision::F32 {
@@ -116,6 +122,11 @@ impl<'a> Checker<'a> {
         let (node, taken) = self.merged.tree.follow(&steps);
         let span = if taken == steps.0.len() { node.span.clone() } else { node.span.start..node.span.start + 1 };
         self.merged.error(span, detail.at(path))
+    }
+
+    /// The folder of the scene's file, in which other files are looked for.
+    pub(crate) fn folder(&self) -> PathBuf {
+        self.merged.folder()
     }
 
     /// Reports a problem unless something holds, which is returned.

@@ -58,4 +58,7 @@ pub enum Field {
     /// The velocity of the medium \[m/s\].
     #[serde(rename = "u")]
     Velocity,
+    /// Pressure over density of a solved fluid \[m²/s²\], where its scheme keeps it.
+    #[serde(rename = "p")]
+    Pressure,
 }

@@ -96,6 +96,7 @@ fn flow(scene: &Scene, model: &dyn Model, ledger: &Ledger) -> Option<FlowSummary
         courant: counts.courant,
         speed: counts.speed,
         energy: state.energy,
+        work: counts.work,
         hc: state.hc,
     })
 }

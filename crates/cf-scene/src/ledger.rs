@@ -1,6 +1,7 @@
 //! What a run has counted so far: the numbers behind its summary and its table, kept in checkpoints.
 
 use crate::model::{FlowStep, Totals};
+use crate::run::Front;
 use crate::sample::Samples;
 use cf_diffusion::{Controller, StepReport};
 use cf_output::{Cell, OutputError, Table};
@@ -47,6 +48,8 @@ pub(crate) struct Ledger {
     pub files: Vec<String>,
     /// `phi` at half time, where a claim needs it.
     pub half: Option<Vec<f64>>,
+    /// The front at every frame, where a claim needs it.
+    pub fronts: Vec<Front>,
     /// Whether pictures and tables are done.
     pub finished: bool,
 }
@@ -67,6 +70,8 @@ pub(crate) struct FlowCounts {
     pub speed: f64,
     /// ∫ max |u| dt \[m\]: how far it can have carried anything.
     pub carried: f64,
+    /// Of buoyancy and force \[m^(D+2)/s²\].
+    pub work: f64,
 }
 
 impl FlowCounts {
@@ -82,6 +87,7 @@ impl FlowCounts {
         self.courant = self.courant.max(report.courant);
         self.speed = self.speed.max(step.speed);
         self.carried += step.speed * dt;
+        self.work += step.power * dt;
     }
 }
 

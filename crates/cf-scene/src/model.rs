@@ -22,6 +22,10 @@ pub(crate) trait Model {
     fn longest(&mut self, _time: f64, _cfl: f64) -> f64 {
         f64::INFINITY
     }
+    /// The largest distance \[m\] of cells with more than a share of the largest |phi| from the shapes that put phi in.
+    fn reach(&self, _fraction: f64) -> Option<f64> {
+        None
+    }
     /// Sums and extremes of `phi`.
     fn totals(&self) -> Totals;
     /// The fields to be written, borrowed; those that the model does not have are left out.
@@ -82,8 +86,10 @@ pub enum StepFailure {
 pub(crate) struct FlowStep {
     /// As the fluid tells it.
     pub report: cf_fluid::FlowReport,
-    /// max |u| afterwards \[m/s\].
+    /// The larger of max |u| before and afterwards \[m/s\].
     pub speed: f64,
+    /// Of buoyancy and force, the mean of before and afterwards \[m^(D+2)/s³\].
+    pub power: f64,
 }
 
 /// A solved fluid at some time.

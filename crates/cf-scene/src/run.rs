@@ -3,6 +3,7 @@
 use crate::backup::Backup;
 use crate::build::build;
 use crate::checkpoint;
+use crate::cloud;
 use crate::frames::{self, Frames};
 use crate::ledger::Ledger;
 use crate::model::{Model, StepFailure};
@@ -16,7 +17,8 @@ use crate::stopwatch::Stopwatch;
 use crate::summary::RunSummary;
 use crate::view::View;
 use cf_diffusion::{Controller, StepError};
-use cf_output::OutputError;
+use cf_output::{Canvas, OutputError};
+use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -38,6 +40,8 @@ pub(crate) struct Needs {
     pub flux: bool,
     /// `phi` at half time.
     pub half: bool,
+    /// At every frame, how far what is above this share of the largest |phi| has come.
+    pub front: Option<f64>,
 }
 
 /// What a run leaves in memory.
@@ -47,6 +51,21 @@ pub(crate) struct Evidence {
     pub phi: Option<Vec<f64>>,
     pub flux: Option<Vec<Vec<f64>>>,
     pub half: Option<Vec<f64>>,
+    /// The front at every frame, where it was asked for.
+    pub fronts: Vec<Front>,
+}
+
+/// How far phi has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Front {
+    /// \[s\]
+    pub time: f64,
+    /// What counts, as a share of the largest |phi|.
+    pub fraction: f64,
+    /// From where it was put in \[m\].
+    pub reach: f64,
+    /// ∫ max|u| dt \[m\].
+    pub carried: f64,
 }
 
 /// Everything that came out of a run.
@@ -55,6 +74,8 @@ pub(crate) struct Outcome {
     pub evidence: Evidence,
     /// What the sheet shows of it.
     pub last: Vec<f64>,
+    /// The cloud at its end, where files are written and the scene asks for it.
+    pub cloud: Option<Canvas>,
 }
 
 /// One run of an experiment.
@@ -295,6 +316,13 @@ impl Running<'_> {
     fn frame(&mut self, frame: u32) -> Result<(), RunError> {
         let begun = Instant::now();
         self.ledger.enter(frame, self.model.totals());
+        if let Some(fraction) = self.runner.needs.front
+            && let Some(reach) = self.model.reach(fraction)
+        {
+            let (time, given) = (self.ledger.time, self.runner.scene.medium_speed());
+            let carried = if self.model.flow_state().is_some() { self.ledger.flow.carried } else { given * time };
+            self.ledger.fronts.push(Front { time, fraction, reach, carried });
+        }
         let written = self.frames.as_mut().map(|frames| frames.write(frame, &*self.model, &mut self.ledger));
         self.stopwatch.add("output", begun.elapsed().as_secs_f64());
         written.unwrap_or(Ok(())).map_err(|error| self.runner.output(error))
@@ -345,13 +373,18 @@ impl Running<'_> {
         let again = if *rejections > 0 { format!(" and {rejections} made again") } else { String::new() };
         watch.note(&format!("run `{name}`: {steps} steps{again} in {:.1} s; {}", seconds.total, error.words()));
         let last = frames::last(View::of(runner.scene).as_ref(), &*model);
+        let cloud = match runner.options.write {
+            true => cloud::cloud(runner.scene, &*model, ledger.time).map_err(|error| runner.output(error))?,
+            false => None,
+        };
         let Needs { phi, flux, .. } = runner.needs;
         let evidence = Evidence {
             time: ledger.time,
             phi: phi.then(|| model.phi()),
             flux: flux.then(|| model.flux()),
             half: ledger.half,
+            fronts: ledger.fronts,
         };
-        Ok(Outcome { summary, evidence, last })
+        Ok(Outcome { summary, evidence, last, cloud })
     }
 }

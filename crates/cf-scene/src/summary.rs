@@ -195,6 +195,8 @@ pub struct FlowSummary {
     pub speed: f64,
     /// Kinetic energy at the end, ∫ u²/2 \[m^(D+2)/s²\].
     pub energy: f64,
+    /// Work of buoyancy and force \[m^(D+2)/s²\].
+    pub work: f64,
     /// H_c = |u|/c over the cells at the end; none without waves.
     pub hc: Option<HcSummary>,
 }

@@ -340,3 +340,98 @@ fn an_unstable_flow_ends_the_run_as_a_numerical_failure() {
     assert_eq!(error.failure(), cf_scene::Failure::Numerical, "{error}");
     assert!(error.to_string().contains("accuracy.cfl"), "{error}");
 }
+
+/// What a claim about the ink came to.
+fn claimed(claim: &str, flags: &[&str]) -> (bool, String) {
+    let claim = format!("(name: \"it\", source: Ours, kind: Must, statement: {claim})");
+    let text = INK.replace("(name: \"mass\", source", &format!("{claim}, (name: \"mass\", source"));
+    let mut experiment = experiment(&text, flags);
+    experiment.runs.truncate(1);
+    let found = dry(&experiment).claims.swap_remove(0);
+    (found.pass, found.measured)
+}
+
+#[test]
+fn claims_about_a_fluid_hold_and_can_fail() {
+    let no_reference = &["model.medium.buoyancy.reference=0.0", "run.frames=30"][..];
+    let undriven = &["model.medium=Solved(buoyancy: (strength: 2.0))", "model.sources[1].from=0.0"][..];
+    let blunt = &["cnp:accuracy.integrator=PaperBe", "cnp:accuracy.tolerance=1e-12", "run.frames=30"][..];
+    for (claim, flags, expected) in [
+        ("Divergence(most: 1e-4)", no_reference, true),
+        ("Divergence(most: 1e-6)", no_reference, false),
+        ("FlowIterations(most: 12)", no_reference, true),
+        ("FlowIterations(most: 1)", no_reference, false),
+        ("Iterations(most: 20)", blunt, true),
+        ("Iterations(most: 1)", blunt, false),
+        ("Front(run: \"cnp\", fraction: 1e-3, cells: 2)", no_reference, true),
+        // The flow carries phi this far, not a wave.
+        ("Front(run: \"cnp\", fraction: 1e-3, cells: 2)", &["model.law=(k: 0.0, tau: 0.0)", "sides.x.high=Open"], true),
+        // Every implicit step reaches the whole box.
+        ("Front(run: \"cnp\", fraction: 1e-9, cells: 2)", blunt, false),
+        ("Within(quantity: EnergyPerWork, run: \"cnp\", low: 0.05, high: 1.0)", undriven, true),
+        // The jet's work is not counted.
+        ("Within(quantity: EnergyPerWork, run: \"cnp\", high: 1.0)", no_reference, false),
+        ("Within(quantity: Centre(X), run: \"cnp\", low: 0.5, high: 0.9)", no_reference, true),
+        ("Within(quantity: Centre(Y), run: \"cnp\", low: 1.5)", no_reference, false),
+    ] {
+        let (holds, measured) = claimed(claim, flags);
+        assert_eq!(holds, expected, "{claim}: {measured}");
+        assert!(!measured.contains("not measurable"), "{claim}: {measured}");
+    }
+    let told = |claim: &str, flags: &[&str]| {
+        let claim = format!("(name: \"it\", source: Ours, kind: Must, statement: {claim})");
+        let text = INK.replace("(name: \"mass\", source", &format!("{claim}, (name: \"mass\", source"));
+        unfold("ink.ron", &text, flags).map(|_| ()).unwrap_err()
+    };
+    let still = &["model.medium=Still"];
+    assert!(told("Divergence(most: 1e-4)", still).contains("there is none"));
+    assert!(told("FlowIterations(most: 8)", still).contains("there is none"));
+    assert!(told("Divergence(most: 0.0)", &[]).contains("claims[0].statement.most: out of range"));
+    assert!(told("Front(run: \"cnp\", fraction: 0.0, cells: 1)", &[]).contains("statement.fraction: out of range"));
+    let fourier = &["model.law=(k: 0.1, tau: 0.0)", "sides.x.high=Open"];
+    assert!(told("Front(run: \"cnp\", fraction: 0.1, cells: 1)", fourier).contains("reach every cell at once"));
+    assert!(told("Within(quantity: Centre(Z), run: \"cnp\", low: 0.0)", &[]).contains("no such axis"));
+}
+
+#[test]
+fn clouds_are_drawn_in_space_and_refused_in_the_plane() {
+    let text = r#"(
+        grid: (cells: (12, 20, 10), extent: (1.2, 2.0, 1.0)),
+        sides: (x: Walls(low: Open, high: Open), y: Walls(low: Open, high: Open), z: Periodic),
+        model: Diffusion(
+            law: (k: 0.01, tau: 0.5),
+            medium: Solved(buoyancy: (strength: 1.0)),
+            initial: [(shape: Ball(center: (0.6, 0.6, 0.5), radius: 0.3), value: 1.0)],
+            obstacles: [Ball(center: (0.6, 1.2, 0.5), radius: 0.2)],
+        ),
+        run: (until: 1.0, frames: 4, variants: [(name: "a"), (name: "b")]),
+        output: (pictures: Off, vtk: false, volume: (look: Smoke, high: 0.5)),
+    )"#;
+    let folder = tempfile::tempdir().unwrap();
+    let experiment = experiment(text, &[]);
+    let mut options = Options::new("box", folder.path());
+    let summary = loop {
+        // Stopped and taken up again, the animation is whole all the same.
+        match perform(&experiment, &options, &mut StopAfter(29)) {
+            Ok(summary) => break summary,
+            Err(RunError::Stopped { .. }) => options.resume = true,
+            Err(other) => panic!("{other}"),
+        }
+    };
+    assert!(options.resume);
+    let frames = |path: &str| {
+        let bytes = std::fs::read(folder.path().join(path)).unwrap();
+        bytes.windows(4).filter(|chunk| *chunk == b"fcTL").count()
+    };
+    assert_eq!(frames("a_cloud_animation.png"), 5);
+    assert!(summary.files.contains(&"box_clouds.png".to_owned()));
+    assert!(summary.runs[0].files.contains(&"a_cloud_0004.png".to_owned()));
+    let pixels = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    assert_ne!(pixels("a_cloud_0000.png"), pixels("a_cloud_0004.png"));
+    assert!(std::fs::read_dir(folder.path()).unwrap().all(|file| !file.unwrap().path().ends_with(".a.clouds")));
+    let told = |flag: &str| unfold("box.ron", text, &[flag]).map(|_| ()).unwrap_err();
+    assert!(told("output.volume.high=0.0").contains("output.volume.high: out of range"));
+    assert!(told("output.volume.eye=(0.0, 100.0)").contains("output.volume.eye: out of range"));
+    let flat = unfold("ink.ron", INK, &["output=(volume: (look: Ink, high: 1.0))"]).map(|_| ()).unwrap_err();
+    assert!(flat.contains("a cloud needs three dimensions"), "{flat}");
+}

@@ -7,7 +7,7 @@ use crate::model::{FlowState, FlowStep, Model, Number, StepFailure, Totals, Valu
 use crate::pace::Pace;
 use crate::scene::{self, Scene};
 use crate::solid::Solid;
-use crate::spec::{self, AxisSides, Field, SourceSpec};
+use crate::spec::{self, AxisSides, Field, Shape, SourceSpec};
 use crate::stopwatch::Stopwatch;
 use crate::summary::{FieldBytes, Range};
 use cf_diffusion::{Law, Source, StepReport};
@@ -18,6 +18,8 @@ use cf_output::{Array, OutputError, Slice};
 pub(super) struct DiffusionModel<T, const D: usize> {
     grid: Grid<D>,
     sources: Vec<SourceSpec>,
+    /// Where phi was put in at the start.
+    initial: Vec<Shape>,
     /// The share of the step for which each source acts, and the rate field that follows.
     shares: Vec<f64>,
     rate: CellField<T>,
@@ -47,7 +49,9 @@ impl<T: Number, const D: usize> DiffusionModel<T, D> {
         }
         let (sources, shares) = (model.sources.clone(), vec![0.0; model.sources.len()]);
         let rate = CellField::new(grid.layout());
-        Ok(DiffusionModel { grid, sources, shares, rate, stepper })
+        let starts = model.initial.iter().filter(|deposit| deposit.value != 0.0);
+        let initial = starts.map(|deposit| deposit.shape.clone()).collect();
+        Ok(DiffusionModel { grid, sources, initial, shares, rate, stepper })
     }
 
     /// Brings the rate field up to date for a step.
@@ -77,7 +81,7 @@ impl<T: Number, const D: usize> DiffusionModel<T, D> {
                     let (origin, extent) = (grid.origin(), grid.extent());
                     source.shape.weight(grid.centre(cell).as_slice(), origin.as_slice(), extent.as_slice()) > 0.0
                 };
-                grid.layout().each_cell(grid.layout().cells_region(), |at| {
+                grid.layout().each_cell(coverage::around(grid, &source.shape), |at| {
                     if mask.is_none_or(|mask| mask.fluid()[at.slot()]) && inside(at.cell) {
                         let old = phi[at.slot()].f64();
                         phi[at.slot()] = T::of(value);
@@ -168,6 +172,30 @@ impl<T: Number, const D: usize> Model for DiffusionModel<T, D> {
 
     fn longest(&mut self, time: f64, cfl: f64) -> f64 {
         self.stepper.longest(time, cfl)
+    }
+
+    fn reach(&self, fraction: f64) -> Option<f64> {
+        let shapes: Vec<&Shape> = self.sources.iter().map(|source| &source.shape).chain(&self.initial).collect();
+        let (low, high) = self.grid.layout().range(self.stepper.phi());
+        let least = fraction * low.abs().max(high.abs());
+        let half = 0.5 * self.grid.h();
+        let mut reach = None;
+        self.each_cell(|cell, phi| {
+            if phi.abs() > least {
+                let x = self.grid.centre(cell);
+                // From the edge of the cell that is nearest: a cell that a shape touches has no distance.
+                let gap = |shape: &&Shape| {
+                    let along = |axis: usize| {
+                        let (from, to) = shape.bounds(axis);
+                        (from - x[axis]).max(x[axis] - to).max(half) - half
+                    };
+                    (0..D).map(|axis| along(axis).powi(2)).sum::<f64>().sqrt()
+                };
+                let nearest = shapes.iter().map(gap).fold(f64::INFINITY, f64::min);
+                reach = Some(reach.map_or(nearest, |most: f64| most.max(nearest)));
+            }
+        });
+        reach
     }
 
     fn totals(&self) -> Totals {

@@ -10,14 +10,14 @@ use crate::stopwatch::Stopwatch;
 use crate::summary::HcSummary;
 use cf_diffusion::{Diffusion, Source, State, StepReport};
 use cf_fluid::{Buoyancy, Coupled, Emitter, Flow, FlowSettings, FlowWall, Fluid, Jet, Scheme, Shape};
-use cf_grid::{Axis, FaceField, Grid, Layout, Sides};
+use cf_grid::{Axis, FaceField, Layout, Sides};
 
 /// A fluid with phi and q_C.
 pub(super) struct Carried<T, const D: usize> {
     pub coupled: Coupled<T, D>,
     pub state: State<T, D>,
-    /// What the fluid remembers between steps, kept where a checkpoint can reach it.
-    memory: [f64; 3],
+    /// What the fluid remembers between steps, its speed and the power of its forces after the last, kept where a checkpoint can reach it.
+    memory: [f64; 5],
     /// The last step.
     pub last: Option<FlowStep>,
 }
@@ -50,9 +50,10 @@ impl<T: Number, const D: usize> Carried<T, D> {
         }
         let state = State::new(grid, &law);
         let diffusion = Diffusion::new(grid, &sides, mask, law, settings(numerics, pace))?;
-        let memory = fluid.memory();
+        let speed = speeds(&fluid, &state, f64::INFINITY).most;
+        let [length, scheme, pressure] = fluid.memory();
         let coupled = Coupled::new(Flow::Solved(Box::new(fluid)), diffusion, &[])?;
-        Ok(Carried { coupled, state, memory, last: None })
+        Ok(Carried { coupled, state, memory: [length, scheme, pressure, speed, 0.0], last: None })
     }
 
     fn fluid_mut(&mut self) -> Option<&mut Fluid<T, D>> {
@@ -73,16 +74,17 @@ impl<T: Number, const D: usize> Carried<T, D> {
         source: Source<'_, T>,
         watch: &mut Stopwatch,
     ) -> Result<StepReport, StepFailure> {
-        let memory = self.memory;
+        let [length, scheme, pressure, speed, power] = self.memory;
         if let Some(fluid) = self.fluid_mut() {
-            fluid.recall(memory);
+            fluid.recall([length, scheme, pressure]);
         }
         self.coupled.set_time(from);
         let made = self.coupled.step_with(&mut self.state, source, dt, watch)?;
         if let (Some(fluid), Some(report)) = (self.coupled.flow.fluid(), made.flow) {
-            self.memory = fluid.memory();
-            let speed = speeds(fluid.grid(), fluid.sides(), fluid.velocity(), f64::INFINITY).most;
-            self.last = Some(FlowStep { report, speed });
+            let now = speeds(fluid, &self.state, f64::INFINITY);
+            let [length, scheme, pressure] = fluid.memory();
+            self.memory = [length, scheme, pressure, now.most, now.power];
+            self.last = Some(FlowStep { report, speed: speed.max(now.most), power: 0.5 * (power + now.power) });
         }
         Ok(made.scalar)
     }
@@ -96,7 +98,7 @@ impl<T: Number, const D: usize> Carried<T, D> {
     /// |u|/c over the fluid cells.
     pub fn hc(&self) -> Option<HcSummary> {
         let (fluid, c) = (self.fluid()?, self.coupled.diffusion.law().speed().filter(|c| *c > 0.0)?);
-        let found = speeds(fluid.grid(), fluid.sides(), fluid.velocity(), c);
+        let found = speeds(fluid, &self.state, c);
         let cells = fluid.mask().map_or(fluid.grid().layout().count(), |mask| mask.fluid_cells()).max(1) as f64;
         Some(HcSummary { mean: found.sum / c / cells, max: found.most / c, above_one: found.above / cells })
     }
@@ -187,47 +189,61 @@ fn flow_settings<const D: usize>(spec: &scene::Fluid, numerics: &Numerics) -> Re
     })
 }
 
-/// Of |u| in cells: the largest, the sum, and how many cells are faster than some speed.
+/// Of |u| in cells: the largest, the sum, and how many cells are faster than some speed; of forces, their power.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Speeds {
     most: f64,
     sum: f64,
     above: f64,
+    /// Σ b·u h^D \[m^(D+2)/s³\].
+    power: f64,
 }
 
 impl cf_grid::Reduce for Speeds {
     fn merge(self, next: Self) -> Self {
-        Speeds { most: self.most.max(next.most), sum: self.sum + next.sum, above: self.above + next.above }
+        Speeds {
+            most: self.most.max(next.most),
+            sum: self.sum + next.sum,
+            above: self.above + next.above,
+            power: self.power + next.power,
+        }
     }
 }
 
-/// |u| of every cell, from the means of its faces; solid cells have none.
-fn speeds<T: Number, const D: usize>(
-    grid: &Grid<D>,
-    sides: &Sides<FlowWall<D>, D>,
-    u: &FaceField<T, D>,
-    limit: f64,
-) -> Speeds {
+/// |u| of every cell, from the means of its faces, and what forces do there; solid cells have none.
+fn speeds<T: Number, const D: usize>(fluid: &Fluid<T, D>, state: &State<T, D>, limit: f64) -> Speeds {
+    let (grid, sides, u, mask) = (fluid.grid(), fluid.sides(), fluid.velocity(), fluid.mask());
+    let (force, buoyancy) = (fluid.settings().force, fluid.settings().buoyancy);
+    let driven = buoyancy.is_some() || force.iter().any(|f| *f != 0.0);
     let layout: &Layout<D> = grid.layout();
+    let volume = grid.cell_volume();
     layout.par_runs(layout.cells_region(), (), |run, ()| {
         run.ats().fold(Speeds::default(), |found, at| {
-            let square: f64 = (0..D)
-                .map(|axis| {
-                    let seam = sides.is_periodic(axis) && at.cell[axis] + 1 == layout.cells()[axis];
-                    let high = if seam {
-                        let mut first = at.cell;
-                        first[axis] = 0;
-                        layout.slot(first)
-                    } else {
-                        at.high(axis)
-                    };
-                    let mean = 0.5 * (u.axis(axis)[at.slot()].f64() + u.axis(axis)[high].f64());
-                    mean * mean
-                })
-                .sum();
-            let speed = square.sqrt();
+            let mean: [f64; D] = std::array::from_fn(|axis| {
+                let seam = sides.is_periodic(axis) && at.cell[axis] + 1 == layout.cells()[axis];
+                let high = if seam {
+                    let mut first = at.cell;
+                    first[axis] = 0;
+                    layout.slot(first)
+                } else {
+                    at.high(axis)
+                };
+                0.5 * (u.axis(axis)[at.slot()].f64() + u.axis(axis)[high].f64())
+            });
+            let speed = mean.iter().map(|v| v * v).sum::<f64>().sqrt();
             let above = if speed > limit { 1.0 } else { 0.0 };
-            Speeds { most: found.most.max(speed), sum: found.sum + speed, above: found.above + above }
+            let mut power = 0.0;
+            if driven && mask.is_none_or(|mask| mask.fluid()[at.slot()]) {
+                let lift = buoyancy.map_or(0.0, |b| b.strength * (state.phi[at.slot()].f64() - b.reference));
+                let up = buoyancy.map_or([0.0; D], |b| b.up);
+                power = (0..D).map(|a| mean[a] * (force[a] + lift * up[a])).sum::<f64>() * volume;
+            }
+            Speeds {
+                most: found.most.max(speed),
+                sum: found.sum + speed,
+                above: found.above + above,
+                power: found.power + power,
+            }
         })
     })
 }

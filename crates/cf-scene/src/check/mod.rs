@@ -19,7 +19,7 @@ mod solid;
 mod time;
 mod trial;
 
-pub(crate) use claims::{claims, read};
+pub(crate) use claims::{claims, front_speed, read};
 pub(crate) use knobs::{Use, idle};
 pub use memory::{Limits, MemoryRow, MemoryTable};
 pub(crate) use names::names;
@@ -57,7 +57,8 @@ pub(crate) fn scene(
         model::fits_f32(&mut check, &model);
         sides::fits_f32(&mut check, &sides);
     }
-    output::output(&mut check, &spec.output);
+    let dimension = grid.dimension();
+    output::output(&mut check, &spec.output, dimension);
     let (run, label) = (String::new(), String::new());
     let (output, warnings) = (spec.output.clone(), Vec::new());
     let mut scene = Scene { run, label, grid, sides, model, numerics, schedule, output, warnings };

@@ -22,7 +22,7 @@ pub use claims::{Claim, ClaimSource, Direction, Front, Kind, Knob, Quantity, Sta
 pub use fluid::{BuoyancySpec, FlowEnds, FlowSides, FlowWall, Grip, JetSpec};
 pub use grid::GridSpec;
 pub use model::{Deposit, Flow, LawSpec, MaskSpec, Medium, ModelSpec, Pulse, SingleFieldForm, SourceSpec};
-pub use output::{Field, Output, Pictures};
+pub use output::{Cloud, Field, Output, Pictures, VolumeSpec};
 pub use run::{RunSpec, VariantSpec};
 pub use shape::{Axis, Shape};
 pub use sides::{AxisSides, SidesSpec, Wall};

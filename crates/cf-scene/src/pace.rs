@@ -167,7 +167,8 @@ fn given(scene: &Scene, model: &Diffusion, integrator: Integrator) -> (f64, Stri
 fn of_a_fluid(scene: &Scene, fluid: &Fluid, cfl: f64) -> (f64, f64, String) {
     let (h, whole) = (scene.grid.spacing, scene.schedule.until / FEWEST_STEPS);
     let (given, pull) = (fluid.given_speed(), pull(scene, fluid));
-    let now = format!("{cfl} h/max|u| of each step");
+    let usual = if given > 0.0 { format!(", likely {:.3e} s", cfl * h / given) } else { String::new() };
+    let now = format!("{cfl} h/max|u| of each step{usual}");
     let free = (cfl * h / pull).sqrt();
     let (longest, reason) = if free < whole || whole == 0.0 && free.is_finite() {
         (free, format!("{now}; at most the time in which {pull:.3} m/s² move the fluid {cfl} cells"))

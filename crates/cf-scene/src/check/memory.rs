@@ -80,7 +80,7 @@ impl Scene {
             add("flow: pressure and potentials", if kept { 3.0 } else { 2.0 }, word);
             add("flow: solver vectors and levels", 2.0 + 5.5, word);
             let walls = !Solid::of(self).is_empty() || model.fluid.as_ref().is_some_and(Fluid::holds);
-            add("flow: face weights and diagonal", if walls { d + 1.5 } else { 0.0 }, word);
+            add("flow: face weights on all levels, masks", if walls { d + 7.0 } else { 0.0 }, word);
         }
         add("advection buffers", if moves && integrator != Some(Integrator::Characteristic) { 2.0 } else { 0.0 }, word);
         match integrator {

@@ -98,17 +98,19 @@ fn print(summary: &Summary, out: &Path, page: &Path) {
         .map(|run| {
             let iterations =
                 if run.iterations.solves == 0 { "-".into() } else { format!("{:.1}", run.iterations.mean) };
+            let projection = run.flow.as_ref().map_or("-".into(), |flow| format!("{:.1}", flow.projections.mean));
             vec![
                 run.label.clone(),
                 show::cells(&run.cells),
                 run.steps.to_string(),
                 iterations,
+                projection,
                 show::seconds(run.seconds.total),
                 format!("{:.1e}", run.mass.drift),
             ]
         })
         .collect();
-    say_part!("{}", show::table(&["run", "cells", "steps", "iterations", "time", "mass drift"], &rows));
+    say_part!("{}", show::table(&["run", "cells", "steps", "iterations", "projection", "time", "mass drift"], &rows));
     for run in &summary.runs {
         run.warnings.iter().for_each(|words| say!("warning: {}: {words}", run.label));
     }

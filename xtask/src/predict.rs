@@ -61,7 +61,7 @@ pub fn rate(scene: &Scene) -> Result<Rate, Failure> {
 /// The first steps of a run, on a grid that is quick.
 fn begin(scene: &Scene, steps: u64, threads: usize) -> Result<RunSummary, Failure> {
     let mut small = scene.clone();
-    let mut dt = Pace::of(scene).dt;
+    let mut dt = Pace::of(scene).likely;
     while small.grid.cells.iter().product::<usize>() > MOST_CELLS && small.grid.cells.iter().all(|n| n % 2 == 0) {
         small.grid.cells = small.grid.cells.iter().map(|n| n / 2).collect();
         (small.grid.spacing, dt) = (2.0 * small.grid.spacing, 2.0 * dt);

@@ -112,20 +112,27 @@ impl<T: Real, const D: usize> Coupled<T, D> {
             }
         }
         self.prepare_rate(dt);
-        let source = self.rate.as_ref().map_or(Source::NONE, |rate| Source::steady(rate));
-        let medium = self.flow.begin(dt, Some(&state.phi), observer)?;
-        match self.diffusion.step_observed(state, medium, source, dt, observer) {
-            Ok(scalar) => report.scalar = scalar,
-            Err(error) => {
-                if let Flow::Solved(fluid) = &mut self.flow {
-                    fluid.abandon();
-                }
-                return Err(error.into());
-            }
-        }
-        report.flow = self.flow.finish(Some(&state.phi), observer)?;
+        let Self { flow, diffusion, rate, .. } = self;
+        let source = rate.as_ref().map_or(Source::NONE, |rate| Source::steady(rate));
+        (report.scalar, report.flow) = together(flow, diffusion, state, source, dt, observer)?;
         self.time += dt;
         Ok(report)
+    }
+
+    /// [`step_observed`](Self::step_observed) with a source of phi of the caller's instead of the emitters' rates and values.
+    pub fn step_with(
+        &mut self,
+        state: &mut State<T, D>,
+        source: Source<'_, T>,
+        dt: f64,
+        observer: &mut (impl Observer + FlowObserver),
+    ) -> Result<CoupledReport, FlowError> {
+        if !(dt.is_finite() && dt >= 0.0) {
+            return Err(FlowError::TimeStep(dt));
+        }
+        let (scalar, flow) = together(&mut self.flow, &mut self.diffusion, state, source, dt, observer)?;
+        self.time += dt;
+        Ok(CoupledReport { scalar, flow, set: 0.0 })
     }
 
     /// The rate of all emitters over a step, made anew when their shares of it change.
@@ -143,5 +150,26 @@ impl<T: Real, const D: usize> Coupled<T, D> {
             }
         }
         self.shares = shares;
+    }
+}
+
+/// The first half of the flow's step, what is carried over it, the second half.
+fn together<T: Real, const D: usize>(
+    flow: &mut Flow<T, D>,
+    diffusion: &mut Diffusion<T, D>,
+    state: &mut State<T, D>,
+    source: Source<'_, T>,
+    dt: f64,
+    observer: &mut (impl Observer + FlowObserver),
+) -> Result<(StepReport, Option<FlowReport>), FlowError> {
+    let medium = flow.begin(dt, Some(&state.phi), observer)?;
+    match diffusion.step_observed(state, medium, source, dt, observer) {
+        Ok(scalar) => Ok((scalar, flow.finish(Some(&state.phi), observer)?)),
+        Err(error) => {
+            if let Flow::Solved(fluid) = flow {
+                fluid.abandon();
+            }
+            Err(error.into())
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! The flow: velocity, pressure and the two halves of a step.
 
 use cf_diffusion::Medium;
-use cf_grid::{CellField, FaceField, Grid, Layout, Mask, Real, Sides};
+use cf_grid::{CellField, FaceField, Grid, Layout, Mask, Real, Sides, once};
 
 use crate::calculus::max_speed;
 use crate::carry::Carry;
@@ -78,6 +78,15 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         mask: Option<&Mask<D>>,
         settings: FlowSettings<D>,
     ) -> Result<Self, FlowError> {
+        (compiled::<T, D>().new)(grid, sides, mask, settings)
+    }
+
+    fn new_here(
+        grid: &Grid<D>,
+        sides: &Sides<FlowWall<D>, D>,
+        mask: Option<&Mask<D>>,
+        settings: FlowSettings<D>,
+    ) -> Result<Self, FlowError> {
         settings.check()?;
         let layout = grid.layout();
         let projection = Projection::new(grid, sides, mask, settings.precision)?;
@@ -118,6 +127,10 @@ impl<T: Real, const D: usize> Fluid<T, D> {
 
     /// Sets the velocity \[m/s\], makes it free of divergence, and forgets earlier steps.
     pub fn set_velocity(&mut self, u: &FaceField<T, D>) -> Result<FlowReport, FlowError> {
+        (compiled::<T, D>().set_velocity)(self, u)
+    }
+
+    fn set_velocity_here(&mut self, u: &FaceField<T, D>) -> Result<FlowReport, FlowError> {
         self.give_back();
         self.stage = None;
         for a in 0..D {
@@ -145,6 +158,36 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         }
     }
 
+    /// Between steps, every field that the next one depends on, with its rim: u and u before it along each axis, the pressure
+    /// where it is kept, the potentials of both projections. With [`memory`](Self::memory), all that a resumed run needs.
+    pub fn state(&self) -> Vec<&[T]> {
+        let scalars = self.pressure.iter().chain(&self.potential).map(|field| &field[..]);
+        self.u.axes().into_iter().chain(self.before.axes()).chain(scalars).collect()
+    }
+
+    /// The same, to be filled.
+    pub fn state_mut(&mut self) -> Vec<&mut [T]> {
+        self.give_back();
+        let scalars = self.pressure.iter_mut().chain(&mut self.potential).map(|field| &mut field[..]);
+        self.u.axes_mut().into_iter().chain(self.before.axes_mut()).chain(scalars).collect()
+    }
+
+    /// What the next step knows of the last one besides the fields: its length \[s\] (0: there was none), its scheme, and
+    /// whether there is a pressure.
+    pub fn memory(&self) -> [f64; 3] {
+        let (length, scheme) =
+            self.history.last.map_or((0.0, 0.0), |(length, scheme)| (length, f64::from(scheme as u8)));
+        [length, scheme, f64::from(u8::from(self.history.pressure))]
+    }
+
+    /// Takes up the [`memory`](Self::memory) of another run; what is none counts as no last step.
+    pub fn recall(&mut self, [length, scheme, pressure]: [f64; 3]) {
+        let known = [Scheme::Auto, Scheme::Cnp, Scheme::ReflectionExtrapolated, Scheme::Draft, Scheme::CentralRk4];
+        let scheme = known.into_iter().find(|known| f64::from(*known as u8) == scheme);
+        let last = scheme.filter(|_| length > 0.0 && length.is_finite()).map(|scheme| (length, scheme));
+        self.history = History { last, pressure: pressure == 1.0 };
+    }
+
     /// Advances the velocity by `dt` \[s\]. `dt` = 0 changes nothing. Buoyancy needs [`begin`](Self::begin) and
     /// [`finish`](Self::finish).
     pub fn step(&mut self, dt: f64) -> Result<FlowReport, FlowError> {
@@ -164,6 +207,16 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         phi: Option<&CellField<T>>,
         observer: &mut impl FlowObserver,
     ) -> Result<&Medium<T, D>, FlowError> {
+        (compiled::<T, D>().begin)(self, dt, phi, observer)?;
+        Ok(&self.medium)
+    }
+
+    fn begin_here(
+        &mut self,
+        dt: f64,
+        phi: Option<&CellField<T>>,
+        observer: &mut dyn FlowObserver,
+    ) -> Result<(), FlowError> {
         if !(dt.is_finite() && dt >= 0.0) {
             return Err(FlowError::TimeStep(dt));
         }
@@ -188,7 +241,7 @@ impl<T: Real, const D: usize> Fluid<T, D> {
                 return Err(error);
             }
         }
-        Ok(&self.medium)
+        Ok(())
     }
 
     /// Ends the step begun. `phi` causes buoyancy, as it is at the end of the step.
@@ -196,6 +249,14 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         &mut self,
         phi: Option<&CellField<T>>,
         observer: &mut impl FlowObserver,
+    ) -> Result<FlowReport, FlowError> {
+        (compiled::<T, D>().finish)(self, phi, observer)
+    }
+
+    fn finish_here(
+        &mut self,
+        phi: Option<&CellField<T>>,
+        observer: &mut dyn FlowObserver,
     ) -> Result<FlowReport, FlowError> {
         self.check_phi(phi)?;
         self.give_back();
@@ -294,7 +355,7 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         which: usize,
         guess: f64,
         dt: f64,
-        observer: &mut impl FlowObserver,
+        observer: &mut dyn FlowObserver,
     ) -> Result<crate::Projected, FlowError> {
         observer.begin(FlowPhase::Projection);
         let s = &mut self.potential[which];
@@ -317,4 +378,31 @@ impl<T: Real, const D: usize> Fluid<T, D> {
     pub(crate) fn copy_next(&mut self) {
         combine(self.grid.layout(), self.projection.sides(), 1.0, &self.u, 0.0, &mut self.next);
     }
+}
+
+/// What is costly to compile, of one precision and dimension.
+#[allow(clippy::type_complexity)]
+struct Compiled<T, const D: usize> {
+    new: fn(&Grid<D>, &Sides<FlowWall<D>, D>, Option<&Mask<D>>, FlowSettings<D>) -> Result<Fluid<T, D>, FlowError>,
+    set_velocity: fn(&mut Fluid<T, D>, &FaceField<T, D>) -> Result<FlowReport, FlowError>,
+    begin: fn(&mut Fluid<T, D>, f64, Option<&CellField<T>>, &mut dyn FlowObserver) -> Result<(), FlowError>,
+    finish: fn(&mut Fluid<T, D>, Option<&CellField<T>>, &mut dyn FlowObserver) -> Result<FlowReport, FlowError>,
+}
+
+impl<T: Real, const D: usize> Compiled<T, D> {
+    const HERE: Self = Self {
+        new: Fluid::new_here,
+        set_velocity: Fluid::set_velocity_here,
+        begin: Fluid::begin_here,
+        finish: Fluid::finish_here,
+    };
+}
+
+/// Steps are compiled here, once, and not again in every crate that makes some.
+static COMPILED: (Compiled<f32, 2>, Compiled<f64, 2>, Compiled<f32, 3>, Compiled<f64, 3>) =
+    (Compiled::HERE, Compiled::HERE, Compiled::HERE, Compiled::HERE);
+
+fn compiled<T: Real, const D: usize>() -> &'static Compiled<T, D> {
+    let c = &COMPILED;
+    once([&c.0, &c.1, &c.2, &c.3])
 }

@@ -16,7 +16,7 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         scheme: Scheme,
         dt: f64,
         phi: Option<&CellField<T>>,
-        observer: &mut impl FlowObserver,
+        observer: &mut dyn FlowObserver,
     ) -> Result<Lent, FlowError> {
         self.hold_emitters(dt)?;
         observer.begin(FlowPhase::Advection);
@@ -67,7 +67,7 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         dt: f64,
         phi: Option<&CellField<T>>,
         report: &mut FlowReport,
-        observer: &mut impl FlowObserver,
+        observer: &mut dyn FlowObserver,
     ) -> Result<(), FlowError> {
         match scheme {
             Scheme::Cnp | Scheme::Auto => {
@@ -161,7 +161,7 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         &mut self,
         dt: f64,
         phi: Option<&CellField<T>>,
-        observer: &mut impl FlowObserver,
+        observer: &mut dyn FlowObserver,
     ) -> Result<(), FlowError> {
         if self.history.pressure {
             return Ok(());
@@ -202,7 +202,7 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         dt: f64,
         phi: Option<&CellField<T>>,
         report: &mut FlowReport,
-        observer: &mut impl FlowObserver,
+        observer: &mut dyn FlowObserver,
     ) -> Result<(), FlowError> {
         let (layout, sides) = (*self.grid.layout(), *self.projection.sides());
         let ratio = dt / self.grid.h();

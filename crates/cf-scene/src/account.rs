@@ -7,7 +7,7 @@ use crate::run::Runner;
 use crate::scene::{self, Scene};
 use crate::spec::{Integrator, Precision};
 use crate::stopwatch::Stopwatch;
-use crate::summary::{Iterations, Mass, RegimeSummary, RunSummary, Seconds};
+use crate::summary::{FlowSummary, Iterations, Mass, RegimeSummary, RunSummary, Seconds};
 use cf_diffusion::{Law, Regime, hc};
 
 /// Puts the numbers of a run together.
@@ -50,7 +50,7 @@ pub(crate) fn account(
         },
         seconds: Seconds {
             total: ledger.seconds,
-            per_step: (stopwatch.seconds("transport") + stopwatch.seconds("diffusion")) / steps,
+            per_step: STEPPING.iter().map(|phase| stopwatch.seconds(phase)).sum::<f64>() / steps,
             phases: stopwatch.phases().clone(),
         },
         peak_memory: peak_memory(),
@@ -65,6 +65,7 @@ pub(crate) fn account(
         ranges: model.ranges(),
         regime: regime(scene),
         residual: ledger.residual,
+        flow: flow(scene, model, ledger),
         error: ledger.samples.summary(scene, pace, ledger.step),
         rejections: ledger.controller.map_or(0, |controller| controller.rejected),
         target: None,
@@ -73,10 +74,37 @@ pub(crate) fn account(
     }
 }
 
+/// The phases of a step.
+const STEPPING: [&str; 4] = ["advection", "projection", "transport", "diffusion"];
+
+fn flow(scene: &Scene, model: &dyn Model, ledger: &Ledger) -> Option<FlowSummary> {
+    let (state, counts) = (model.flow_state()?, &ledger.flow);
+    let schemes: Vec<String> = counts.schemes.iter().map(|(name, steps)| format!("{name} ({steps} steps)")).collect();
+    Some(FlowSummary {
+        scheme: schemes.join(", "),
+        solver: state.solver,
+        solver_reason: state.reason,
+        projections: Iterations {
+            solves: counts.projections,
+            mean: counts.iterations as f64 / counts.projections.max(1) as f64,
+            max: counts.most_iterations,
+        },
+        divergence: counts.divergence,
+        eta_div: scene.numerics.eta_div,
+        at_floor: counts.at_floor,
+        imbalance: counts.imbalance,
+        courant: counts.courant,
+        speed: counts.speed,
+        energy: state.energy,
+        work: counts.work,
+        hc: state.hc,
+    })
+}
+
 fn advection(scene: &Scene, pace: &Pace) -> String {
     match &scene.model {
         scene::Model::Diffusion(_) if pace.integrator == Some(Integrator::Characteristic) => "Characteristic".into(),
-        scene::Model::Diffusion(_) if scene.medium_speed() > 0.0 => format!("{:?}", scene.numerics.advection),
+        scene::Model::Diffusion(_) if scene.moves() => format!("{:?}", scene.numerics.advection),
         scene::Model::Diffusion(_) => "none".into(),
         scene::Model::SingleField(_) => "exact".into(),
     }
@@ -138,6 +166,19 @@ fn warnings(scene: &Scene, pace: &Pace, ledger: &Ledger, drift: f64) -> Vec<Stri
             let cells = if courant < 1e4 { format!("{courant:.1}") } else { format!("{courant:.1e}") };
             warnings.push(format!("a step moves waves and medium by up to {cells} cells; fronts will be blunt"));
         }
+    }
+    if ledger.flow.imbalance > 0.0 {
+        warnings.push(format!(
+            "jets and inflows do not balance: a part of the fluid without an open wall gains or loses {:.2e} of its volume \
+             a second, which no pressure can prevent; open a wall in model.medium.walls",
+            ledger.flow.imbalance
+        ));
+    }
+    if ledger.flow.at_floor > 0 {
+        warnings.push(format!(
+            "{} steps ended at the rounding floor, above accuracy.eta_div: raise it, or use precision: f64",
+            ledger.flow.at_floor
+        ));
     }
     let lowest = ledger.rows.iter().map(|row| row.min).fold(0.0, f64::min);
     let highest = ledger.rows.iter().map(|row| row.max).fold(0.0, f64::max);

@@ -28,8 +28,12 @@ macro_rules! catalog {
 catalog! {
     "3": "fig03_cones",
     "4": "fig04_fourier_share",
+    "5": "fig05_ink",
     "6": "fig06_spray",
+    "T2": "table2_ink",
     "A": "appendix_a_pitfall",
+    "S1": "smoke_sphere",
+    "S2": "ink_sinking",
 }
 
 impl CatalogScene {
@@ -47,9 +51,13 @@ pub fn find(request: &str) -> Result<Vec<&'static CatalogScene>, SceneError> {
     if !by_name.is_empty() {
         return Ok(by_name);
     }
-    let figure =
-        ["figure", "fig", "appendix", "app"].iter().find_map(|word| wanted.strip_prefix(word)).unwrap_or(wanted);
-    let figure = figure.trim_start_matches(['.', '_', '-', ' ']).trim_start_matches('0');
+    let figure = ["figure", "fig", "appendix", "app", "scene"]
+        .iter()
+        .find_map(|word| wanted.strip_prefix(word))
+        .unwrap_or(wanted);
+    // "Table 2" is T2.
+    let table = wanted.strip_prefix("table").map(|number| format!("t{}", number.trim_start_matches([' ', '_', '-'])));
+    let figure = table.as_deref().unwrap_or(figure).trim_start_matches(['.', '_', '-', ' ']).trim_start_matches('0');
     let found: Vec<_> = SCENES.iter().filter(|scene| scene.figure.to_lowercase() == figure).collect();
     if !found.is_empty() {
         return Ok(found);

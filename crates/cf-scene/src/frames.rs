@@ -1,5 +1,6 @@
 //! What a run writes: fields for ParaView at every frame; at its end pictures, an animation and a table.
 
+use crate::cloud;
 use crate::ledger::Ledger;
 use crate::model::Model;
 use crate::pictures::{self, Scale};
@@ -19,6 +20,8 @@ pub(crate) struct Frames<'a> {
     folder: &'a Path,
     series: Option<Series>,
     spool: Option<Spool>,
+    /// Pictures of clouds, for the animation.
+    clouds: Option<Spool>,
     view: Option<View>,
 }
 
@@ -38,7 +41,11 @@ impl<'a> Frames<'a> {
         let spool = (pictures != Pictures::Off && !ledger.finished)
             .then(|| Spool::open(spool, cells, ledger.rows.len()))
             .transpose()?;
-        Ok(Frames { scene, folder, series, spool, view })
+        let clouds = folder.join(format!(".{}.clouds", scene.run));
+        let clouds = (scene.output.volume.is_some() && !ledger.finished)
+            .then(|| Spool::open(clouds, cloud::SIZE[0] * cloud::SIZE[1], ledger.rows.len()))
+            .transpose()?;
+        Ok(Frames { scene, folder, series, spool, clouds, view })
     }
 
     fn name(&self, frame: u32, extension: &str) -> String {
@@ -63,6 +70,16 @@ impl<'a> Frames<'a> {
         }
         if let Some(spool) = &mut self.spool {
             spool.push(&last(self.view.as_ref(), model))?;
+        }
+        if self.clouds.is_some()
+            && let Some(picture) = cloud::cloud(self.scene, model, ledger.time)?
+        {
+            let name = format!("{}_cloud_{frame:04}.png", self.scene.run);
+            picture.write_png(&self.path(&name))?;
+            ledger.files.push(name);
+            if let Some(clouds) = &mut self.clouds {
+                clouds.push(&cloud::pack(&picture))?;
+            }
         }
         Ok(())
     }
@@ -98,6 +115,24 @@ impl<'a> Frames<'a> {
                 self.draw(&mut spool, ledger)?;
             }
             spool.remove()?;
+        }
+        if let Some(mut clouds) = self.clouds.take() {
+            let name = format!("{run}_cloud_animation.png");
+            if clouds.records() == ledger.rows.len() && clouds.records() > 0 {
+                let mut failure = None;
+                write_animation(&self.path(&name), clouds.records() as u32, RATE, Theme::Light, |n| {
+                    clouds.get(n as usize).map_or_else(
+                        |error| {
+                            failure.get_or_insert(error);
+                            blank()
+                        },
+                        |numbers| cloud::unpack(&numbers),
+                    )
+                })?;
+                failure.map_or(Ok(()), Err)?;
+                ledger.files.push(name);
+            }
+            clouds.remove()?;
         }
         Ok(())
     }

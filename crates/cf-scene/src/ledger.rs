@@ -1,6 +1,7 @@
 //! What a run has counted so far: the numbers behind its summary and its table, kept in checkpoints.
 
-use crate::model::Totals;
+use crate::model::{FlowStep, Totals};
+use crate::run::Front;
 use crate::sample::Samples;
 use cf_diffusion::{Controller, StepReport};
 use cf_output::{Cell, OutputError, Table};
@@ -30,6 +31,8 @@ pub(crate) struct Ledger {
     pub transport_substeps: usize,
     /// Smallest and largest step \[s\].
     pub dt: Option<(f64, f64)>,
+    /// The solved fluid.
+    pub flow: FlowCounts,
     /// The controller of adaptive steps.
     pub controller: Option<Controller>,
     /// What samples of steps told of their errors.
@@ -45,8 +48,47 @@ pub(crate) struct Ledger {
     pub files: Vec<String>,
     /// `phi` at half time, where a claim needs it.
     pub half: Option<Vec<f64>>,
+    /// The front at every frame, where a claim needs it.
+    pub fronts: Vec<Front>,
     /// Whether pictures and tables are done.
     pub finished: bool,
+}
+
+/// The counts of a solved fluid.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct FlowCounts {
+    /// Steps by scheme.
+    pub schemes: BTreeMap<String, u64>,
+    pub projections: usize,
+    pub iterations: usize,
+    /// Largest mean over the projections of one step.
+    pub most_iterations: usize,
+    pub divergence: f64,
+    pub at_floor: u64,
+    pub imbalance: f64,
+    pub courant: f64,
+    pub speed: f64,
+    /// ∫ max |u| dt \[m\]: how far it can have carried anything.
+    pub carried: f64,
+    /// Of buoyancy and force \[m^(D+2)/s²\].
+    pub work: f64,
+}
+
+impl FlowCounts {
+    fn count(&mut self, step: &FlowStep, dt: f64) {
+        let report = &step.report;
+        *self.schemes.entry(format!("{:?}", report.scheme)).or_default() += 1;
+        self.projections += report.projections;
+        self.iterations += report.iterations;
+        self.most_iterations = self.most_iterations.max(report.iterations.div_ceil(report.projections.max(1)));
+        self.divergence = self.divergence.max(report.divergence);
+        self.at_floor += u64::from(report.at_floor);
+        self.imbalance = self.imbalance.max(report.imbalance);
+        self.courant = self.courant.max(report.courant);
+        self.speed = self.speed.max(step.speed);
+        self.carried += step.speed * dt;
+        self.work += step.power * dt;
+    }
 }
 
 /// One row of the table.
@@ -64,9 +106,10 @@ pub(crate) struct Row {
 }
 
 impl Ledger {
-    /// Counts a step of `dt` \[s\].
-    pub fn count(&mut self, report: &StepReport, dt: f64) {
+    /// Counts a step of `dt` \[s\], with what a solved fluid did in it.
+    pub fn count(&mut self, report: &StepReport, flow: Option<&FlowStep>, dt: f64) {
         self.step += 1;
+        flow.iter().for_each(|step| self.flow.count(step, dt));
         self.emitted += report.emitted;
         self.outflow += report.outflow;
         self.solves += report.solves;

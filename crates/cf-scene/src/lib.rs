@@ -42,6 +42,7 @@ mod build;
 pub mod catalog;
 mod check;
 mod checkpoint;
+mod cloud;
 mod error;
 mod experiment;
 mod frames;

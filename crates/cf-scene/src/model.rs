@@ -2,7 +2,7 @@
 
 use crate::spec::Field;
 use crate::stopwatch::Stopwatch;
-use crate::summary::{FieldBytes, Range};
+use crate::summary::{FieldBytes, HcSummary, Range};
 use cf_diffusion::{StepError, StepReport};
 use cf_output::{Array, OutputError, Scalar, Slice};
 
@@ -10,6 +10,22 @@ use cf_output::{Array, OutputError, Scalar, Slice};
 pub(crate) trait Model {
     /// One step of `dt` \[s\] from time `from` \[s\].
     fn advance(&mut self, from: f64, dt: f64, watch: &mut Stopwatch) -> Result<StepReport, StepFailure>;
+    /// What the last step of a solved fluid did.
+    fn flow(&self) -> Option<FlowStep> {
+        None
+    }
+    /// A solved fluid as it is now.
+    fn flow_state(&self) -> Option<FlowState> {
+        None
+    }
+    /// The longest step \[s\] that a solved fluid may make from a time on, for a Courant number; infinite for what is given.
+    fn longest(&mut self, _time: f64, _cfl: f64) -> f64 {
+        f64::INFINITY
+    }
+    /// The largest distance \[m\] of cells with more than a share of the largest |phi| from the shapes that put phi in.
+    fn reach(&self, _fraction: f64) -> Option<f64> {
+        None
+    }
     /// Sums and extremes of `phi`.
     fn totals(&self) -> Totals;
     /// The fields to be written, borrowed; those that the model does not have are left out.
@@ -54,6 +70,38 @@ pub enum StepFailure {
     /// By the scheme for fronts.
     #[error(transparent)]
     Front(#[from] cf_diffusion::front::FrontError),
+    /// With a solved fluid.
+    #[error(transparent)]
+    Flow(#[from] cf_fluid::FlowError),
+    /// A solved fluid got so fast that its steps would hardly move on.
+    #[error("the fluid has become so fast that a step could be no longer than {dt:.3e} s")]
+    Runaway {
+        /// The longest step \[s\].
+        dt: f64,
+    },
+}
+
+/// What a step of a solved fluid did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct FlowStep {
+    /// As the fluid tells it.
+    pub report: cf_fluid::FlowReport,
+    /// The larger of max |u| before and afterwards \[m/s\].
+    pub speed: f64,
+    /// Of buoyancy and force, the mean of before and afterwards \[m^(D+2)/s³\].
+    pub power: f64,
+}
+
+/// A solved fluid at some time.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct FlowState {
+    /// The plan of the pressure solves, and its reason.
+    pub solver: String,
+    pub reason: String,
+    /// |u|/c over the cells.
+    pub hc: Option<HcSummary>,
+    /// ∫ u²/2 \[m^(D+2)/s²\].
+    pub energy: f64,
 }
 
 /// Sums and extremes of `phi`.

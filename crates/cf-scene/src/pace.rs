@@ -5,8 +5,11 @@
 //! `A(dt/2) D(dt) A(dt/2)`, so it is 2h/|u|. Both are taken as long as the waves move at most one cell, c dt <= h.
 //! Otherwise dt = cfl·h/(|u| + c). What the scene leaves open goes no further than 1/64 of the run, which is what bounds a
 //! still medium without waves; a step or a cfl that the scene gives is taken as it is.
+//!
+//! A solved fluid finds its step as it goes: dt = min(cfl·h/max|u|, 1/√(g beta max|grad phi|)), where u counts jets and
+//! inflows that act. While it is at rest, the time in which a force moves it bounds the step, and 1/64 of the run.
 
-use crate::scene::{Diffusion, Model, Scene, Schedule, TimeStep};
+use crate::scene::{Diffusion, Fluid, Model, Scene, Schedule, TimeStep};
 use crate::spec::{Integrator, Medium, Splitting};
 use cf_diffusion::kdk_limit;
 
@@ -22,6 +25,8 @@ pub(crate) const MOST_STEPS: f64 = 1e10;
 pub struct Pace {
     /// The longest step \[s\]; frames and switching sources shorten it.
     pub dt: f64,
+    /// The step that is likely \[s\], for predictions; the same unless a fluid is solved for, which finds its own.
+    pub likely: f64,
     /// Why.
     pub dt_reason: String,
     /// How diffusion is integrated; `None` for a model that is solved exactly.
@@ -36,6 +41,7 @@ impl Pace {
         let Model::Diffusion(model) = &scene.model else {
             return Pace {
                 dt: scene.schedule.interval,
+                likely: scene.schedule.interval,
                 dt_reason: "the exact solution needs no steps between frames".into(),
                 integrator: None,
                 integrator_reason: "every Fourier mode has a closed form".into(),
@@ -45,33 +51,36 @@ impl Pace {
             return adaptive(scene, tolerance);
         }
         if let Some(integrator) = scene.numerics.integrator {
-            let (dt, dt_reason) = step(scene, model, integrator);
+            let (dt, likely, dt_reason) = step(scene, model, integrator);
             let given = match scene.numerics.level {
                 crate::spec::Level::Draft if integrator == Integrator::PaperBe => "the draft level's choice",
                 _ => "the scene's choice",
             };
-            return Pace { dt, dt_reason, integrator: Some(integrator), integrator_reason: given.into() };
+            return Pace { dt, likely, dt_reason, integrator: Some(integrator), integrator_reason: given.into() };
         }
         let waves = model.law.tau > 0.0 && model.law.fourier == 0.0;
-        let (dt, dt_reason) = step(scene, model, Integrator::Kdk);
-        let ratio = dt / explicit_limit(scene, model);
+        let (dt, likely, dt_reason) = step(scene, model, Integrator::Kdk);
+        let ratio = likely / explicit_limit(scene, model);
         if waves && ratio <= MOST_EXPLICIT {
             let why = format!("pure waves (F_T = 0): explicit, at {ratio:.2} of its stability limit a step");
-            return Pace { dt, dt_reason, integrator: Some(Integrator::Kdk), integrator_reason: why };
+            return Pace { dt, likely, dt_reason, integrator: Some(Integrator::Kdk), integrator_reason: why };
         }
         let why = if waves {
             format!("tau is so short that explicit steps would need {ratio:.0} sub-steps each")
+        } else if model.law.k == 0.0 {
+            "nothing diffuses (k = 0)".into()
         } else {
             "a part of the flux has no memory (F_T > 0 or tau = 0), which only implicit steps take at this length"
                 .into()
         };
-        let (dt, dt_reason) = step(scene, model, Integrator::Sdirk2);
-        Pace { dt, dt_reason, integrator: Some(Integrator::Sdirk2), integrator_reason: why }
+        let (dt, likely, dt_reason) = step(scene, model, Integrator::Sdirk2);
+        Pace { dt, likely, dt_reason, integrator: Some(Integrator::Sdirk2), integrator_reason: why }
     }
 
     /// The steps to the end of a scene, infinite where they would never get there; of adaptive steps the least number.
     pub fn steps(&self, scene: &Scene) -> f64 {
-        self.steps_of(&scene.schedule, &self.legs(scene, None))
+        let likely = Pace { dt: self.likely, ..self.clone() };
+        likely.steps_of(&scene.schedule, &likely.legs(scene, None))
     }
 
     /// The legs of a run: between frames, the times at which sources switch, and another time that must be hit.
@@ -80,7 +89,9 @@ impl Pace {
             Model::Diffusion(model) => model.sources.as_slice(),
             Model::SingleField(_) => &[],
         };
-        let switches = sources.iter().flat_map(|source| [Some(source.from), source.until]).flatten();
+        let jets = scene.fluid().map_or(&[][..], |fluid| &fluid.jets);
+        let times = sources.iter().map(|source| [Some(source.from), source.until]);
+        let switches = times.chain(jets.iter().map(|jet| [Some(jet.from), jet.until])).flatten().flatten();
         legs(&scene.schedule, switches.chain(another), self.dt)
     }
 
@@ -103,6 +114,7 @@ fn adaptive(scene: &Scene, tolerance: f64) -> Pace {
     };
     Pace {
         dt,
+        likely: dt,
         dt_reason: format!("adaptive: the relative error of a step is at most {tolerance:e}; at most {most}"),
         integrator: Some(Integrator::Sdirk2),
         integrator_reason: "its two stages tell the error by which steps are chosen".into(),
@@ -116,10 +128,20 @@ fn explicit_limit(scene: &Scene, model: &Diffusion) -> f64 {
         .map_or(f64::NAN, |law| kdk_limit(&law, 4.0 * d / (h * h)))
 }
 
-fn step(scene: &Scene, model: &Diffusion, integrator: Integrator) -> (f64, String) {
+/// The longest step, the likely one, and why.
+fn step(scene: &Scene, model: &Diffusion, integrator: Integrator) -> (f64, f64, String) {
+    if let (TimeStep::Courant(cfl), Some(fluid)) = (scene.numerics.step, &model.fluid) {
+        return of_a_fluid(scene, fluid, cfl);
+    }
+    let (dt, reason) = given(scene, model, integrator);
+    (dt, dt, reason)
+}
+
+/// The step in a medium that is given.
+fn given(scene: &Scene, model: &Diffusion, integrator: Integrator) -> (f64, String) {
     let (cfl, may_shift) = match scene.numerics.step {
         TimeStep::Fixed(dt) => return (dt, "fixed by the scene".into()),
-        TimeStep::Cfl(cfl) | TimeStep::Bounded(cfl) | TimeStep::Adaptive(cfl) => (cfl, false),
+        TimeStep::Cfl(cfl) | TimeStep::Bounded(cfl) | TimeStep::Adaptive(cfl) | TimeStep::Courant(cfl) => (cfl, false),
         TimeStep::Shift(cfl) => (cfl, integrator != Integrator::Characteristic),
     };
     let (h, until) = (scene.grid.spacing, scene.schedule.until);
@@ -139,6 +161,31 @@ fn step(scene: &Scene, model: &Diffusion, integrator: Integrator) -> (f64, Strin
     } else {
         (bound, format!("1/{FEWEST_STEPS} of the run; less than the {dt:.3e} s that waves and transport allow"))
     }
+}
+
+/// The longest step of a solved fluid, and the one that is likely: what is known before it moves.
+fn of_a_fluid(scene: &Scene, fluid: &Fluid, cfl: f64) -> (f64, f64, String) {
+    let (h, whole) = (scene.grid.spacing, scene.schedule.until / FEWEST_STEPS);
+    let (given, pull) = (fluid.given_speed(), pull(scene, fluid));
+    let usual = if given > 0.0 { format!(", likely {:.3e} s", cfl * h / given) } else { String::new() };
+    let now = format!("{cfl} h/max|u| of each step{usual}");
+    let free = (cfl * h / pull).sqrt();
+    let (longest, reason) = if free < whole || whole == 0.0 && free.is_finite() {
+        (free, format!("{now}; at most the time in which {pull:.3} m/s² move the fluid {cfl} cells"))
+    } else {
+        (whole, format!("{now}; at most 1/{FEWEST_STEPS} of the run"))
+    };
+    (longest, longest.min(cfl * h / given), reason)
+}
+
+/// The largest acceleration that is known before the run \[m/s²\]: of the force, and of what phi is given.
+fn pull(scene: &Scene, fluid: &Fluid) -> f64 {
+    let force = fluid.force.iter().map(|f| f * f).sum::<f64>().sqrt();
+    let (Some(buoyancy), Model::Diffusion(model)) = (&fluid.buoyancy, &scene.model) else { return force };
+    let held = model.sources.iter().filter_map(|source| source.value);
+    let values = model.initial.iter().map(|deposit| deposit.value).chain(held);
+    let reach = values.map(|value| (value - buoyancy.reference).abs()).fold(0.0, f64::max);
+    force + buoyancy.strength.abs() * reach
 }
 
 fn along_one_axis(medium: &Medium) -> bool {
@@ -256,7 +303,7 @@ mod tests {
         assert_eq!(Pace::of(&scene).steps(&scene), 100.0);
         let scene = of(&["run.steps=7"]);
         assert_eq!(Pace::of(&scene).steps(&scene), 7.0);
-        assert_eq!(Pace { dt: 0.0, ..Pace::of(&scene) }.steps(&scene), f64::INFINITY);
+        assert_eq!(Pace { dt: 0.0, likely: 0.0, ..Pace::of(&scene) }.steps(&scene), f64::INFINITY);
     }
 
     #[test]

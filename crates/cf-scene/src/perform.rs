@@ -73,7 +73,7 @@ pub fn perform(experiment: &Experiment, options: &Options, watch: &mut dyn Watch
     let (mut summaries, mut lasts) = (Vec::new(), Vec::new());
     for (scene, outcome) in &mut outcomes {
         let (summary, values) = (std::mem::take(&mut outcome.summary), std::mem::take(&mut outcome.last));
-        lasts.push(Last { scene, time: summary.time, values });
+        lasts.push(Last { scene, time: summary.time, values, cloud: outcome.cloud.take() });
         summaries.push(summary);
     }
     let mut summary = Summary {
@@ -110,6 +110,12 @@ fn leave(
         let name = format!("{}.png", options.name);
         sheet.write_png(&out.join(&name))?;
         summary.files.push(name);
+    }
+    if let Some(sheet) = pictures::clouds(lasts) {
+        let name = format!("{}_clouds.png", options.name);
+        sheet.write_png(&out.join(&name))?;
+        // What people look at comes first.
+        summary.files.insert(0, name);
     }
     summary.files.push("summary.json".into());
     summary.seconds = begun.elapsed().as_secs_f64();

@@ -116,7 +116,7 @@ pub(crate) fn span(low: f64, high: f64) -> [f64; 2] {
 }
 
 /// A time with as many digits as frames need.
-fn clock(scene: &Scene, time: f64) -> String {
+pub(crate) fn clock(scene: &Scene, time: f64) -> String {
     let interval = scene.schedule.interval;
     let digits = if interval > 0.0 { (1.0 - interval.log10().floor()).clamp(0.0, 9.0) as usize } else { 1 };
     format!("t = {time:.digits$} s")
@@ -144,6 +144,17 @@ pub(crate) struct Last<'a> {
     pub scene: &'a Scene,
     pub time: f64,
     pub values: Vec<f64>,
+    /// The cloud, where the scene asks for it.
+    pub cloud: Option<Canvas>,
+}
+
+/// The clouds of all runs at their ends, side by side; `None` where there are fewer than two.
+pub(crate) fn clouds(lasts: &[Last<'_>]) -> Option<Canvas> {
+    let pictures: Vec<(Canvas, String)> =
+        // Each has its run's label in it.
+        lasts.iter().filter_map(|last| Some((last.cloud.clone()?, String::new()))).collect();
+    let columns = if pictures.len() <= 6 { pictures.len() } else { pictures.len().div_ceil(2) };
+    (pictures.len() > 1).then(|| contact_sheet(&pictures, columns, None, Theme::Light))
 }
 
 /// Whether two boxes have one size; of lines only the length counts.

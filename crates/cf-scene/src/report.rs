@@ -163,7 +163,7 @@ fn claim(page: &mut String, claim: &ClaimResult) {
 
 fn pictures(page: &mut String, summary: &Summary, folder: &Path) {
     let mut pictures = Pictures::new(folder);
-    let together = files::first_picture(&summary.files).and_then(|file| pictures.source(file));
+    let together: Vec<String> = files::pictures_of(&summary.files).filter_map(|file| pictures.source(file)).collect();
     let mut each = String::new();
     for run in &summary.runs {
         let chosen = files::chosen(&run.files);
@@ -176,15 +176,15 @@ fn pictures(page: &mut String, summary: &Summary, folder: &Path) {
             number(run.time),
         );
     }
-    if together.is_none() && each.is_empty() {
+    if together.is_empty() && each.is_empty() {
         return;
     }
     page.push_str("<section>\n<h2>Pictures</h2>\n");
-    if let Some(source) = together.as_ref() {
+    for source in &together {
         let _ = writeln!(page, "<figure><img alt=\"all runs at the end\" src=\"{source}\"></figure>");
     }
     let gallery = format!("<div class=\"gallery\">\n{each}</div>\n");
-    match (together.is_some(), each.is_empty()) {
+    match (!together.is_empty(), each.is_empty()) {
         (_, true) => {}
         (true, false) => {
             let _ = writeln!(page, "<details><summary>Each run, and how it went</summary>\n{gallery}</details>");

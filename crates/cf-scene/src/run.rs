@@ -3,9 +3,10 @@
 use crate::backup::Backup;
 use crate::build::build;
 use crate::checkpoint;
+use crate::cloud;
 use crate::frames::{self, Frames};
 use crate::ledger::Ledger;
-use crate::model::Model;
+use crate::model::{Model, StepFailure};
 use crate::pace::{Leg, MOST_STEPS, Pace};
 use crate::perform::Options;
 use crate::progress::{Progress, Watch, Wish};
@@ -16,7 +17,8 @@ use crate::stopwatch::Stopwatch;
 use crate::summary::RunSummary;
 use crate::view::View;
 use cf_diffusion::{Controller, StepError};
-use cf_output::OutputError;
+use cf_output::{Canvas, OutputError};
+use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -24,6 +26,8 @@ use std::time::{Duration, Instant};
 const LOOK: u64 = 8;
 /// The first step of an adaptive run, as a part of the longest.
 const FIRST: f64 = 1.0 / 64.0;
+/// A step of a solved fluid that is shorter, as a part of the longest, is that of an unstable one.
+const SHORTEST: f64 = 1e-6;
 /// Between checkpoints, which are written at frames.
 const CHECKPOINT: Duration = Duration::from_secs(60);
 
@@ -36,6 +40,8 @@ pub(crate) struct Needs {
     pub flux: bool,
     /// `phi` at half time.
     pub half: bool,
+    /// At every frame, how far what is above this share of the largest |phi| has come.
+    pub front: Option<f64>,
 }
 
 /// What a run leaves in memory.
@@ -45,6 +51,21 @@ pub(crate) struct Evidence {
     pub phi: Option<Vec<f64>>,
     pub flux: Option<Vec<Vec<f64>>>,
     pub half: Option<Vec<f64>>,
+    /// The front at every frame, where it was asked for.
+    pub fronts: Vec<Front>,
+}
+
+/// How far phi has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Front {
+    /// \[s\]
+    pub time: f64,
+    /// What counts, as a share of the largest |phi|.
+    pub fraction: f64,
+    /// From where it was put in \[m\].
+    pub reach: f64,
+    /// ∫ max|u| dt \[m\].
+    pub carried: f64,
 }
 
 /// Everything that came out of a run.
@@ -53,6 +74,8 @@ pub(crate) struct Outcome {
     pub evidence: Evidence,
     /// What the sheet shows of it.
     pub last: Vec<f64>,
+    /// The cloud at its end, where files are written and the scene asks for it.
+    pub cloud: Option<Canvas>,
 }
 
 /// One run of an experiment.
@@ -91,6 +114,7 @@ impl Runner<'_> {
             begun,
             saved: begun,
             steps: pace.steps_of(&scene.schedule, &legs),
+            longest: pace.dt,
             before_step: Backup::default(),
         };
         if let (TimeStep::Adaptive(tolerance), None) = (scene.numerics.step, running.ledger.controller) {
@@ -139,6 +163,8 @@ struct Running<'a> {
     saved: Instant,
     /// Steps in all, where they are fixed.
     steps: f64,
+    /// The longest step \[s\].
+    longest: f64,
     /// Where an adaptive step goes back to.
     before_step: Backup,
 }
@@ -150,7 +176,7 @@ impl Running<'_> {
             self.frame(0)?;
         }
         let mut before = 0u64;
-        if self.ledger.controller.is_some() {
+        if self.ledger.controller.is_some() || matches!(self.runner.scene.numerics.step, TimeStep::Courant(_)) {
             return self.through_adaptively(legs, most, watch);
         }
         for leg in legs {
@@ -170,14 +196,17 @@ impl Running<'_> {
         self.frame_if_new()
     }
 
-    /// The legs in steps that a controller chooses; the ends of legs are met exactly.
+    /// The legs in steps that a controller or a fluid chooses; the ends of legs are met exactly.
     fn through_adaptively(&mut self, legs: &[Leg], most: u64, watch: &mut dyn Watch) -> Result<(), RunError> {
         for leg in legs {
             while self.ledger.time < leg.end {
                 if self.ledger.step >= most {
                     return self.frame_if_new();
                 }
-                self.adapt(leg)?;
+                match self.runner.scene.numerics.step {
+                    TimeStep::Courant(cfl) => self.flow(leg, cfl)?,
+                    _ => self.adapt(leg)?,
+                }
                 if self.ledger.time == leg.end {
                     self.arrive(leg)?;
                 }
@@ -185,6 +214,24 @@ impl Running<'_> {
             }
         }
         self.frame_if_new()
+    }
+
+    /// One step as long as a fluid allows now; the rest of the leg is divided equally.
+    fn flow(&mut self, leg: &Leg, cfl: f64) -> Result<(), RunError> {
+        let (from, run) = (self.ledger.time, || self.runner.scene.run.clone());
+        let rest = leg.end - from;
+        let longest = self.model.longest(from, cfl).min(self.longest);
+        let wrong = |source| RunError::Step { run: run(), step: self.ledger.step + 1, time: from, source };
+        // An unstable flow doubles its speed every few steps; it must not bring the run to a halt.
+        if longest.is_nan() || longest < SHORTEST * self.longest {
+            return Err(wrong(StepFailure::Runaway { dt: longest }));
+        }
+        let parts = (rest / longest - 1e-6).ceil().max(1.0);
+        let dt = rest / parts;
+        let report = self.model.advance(from, dt, &mut self.stopwatch).map_err(wrong)?;
+        self.ledger.count(&report, self.model.flow().as_ref(), dt);
+        self.ledger.time = if parts == 1.0 { leg.end } else { from + dt };
+        self.look(parts == 1.0)
     }
 
     /// One step that stands, after as many as do not.
@@ -203,7 +250,7 @@ impl Running<'_> {
             let stands = stands.map_err(|why: StepError| wrong(next, why.into()))?;
             self.ledger.controller = Some(controller);
             if stands {
-                self.ledger.count(&report, dt);
+                self.ledger.count(&report, None, dt);
                 self.ledger.samples.embedded(report.error, norm);
                 self.ledger.time = if dt == leg.end - from { leg.end } else { from + dt };
                 return self.look(self.ledger.time == leg.end);
@@ -219,14 +266,15 @@ impl Running<'_> {
         let (from, dt) = (leg.time(step), leg.dt());
         let run = || self.runner.scene.run.clone();
         let (model, watch) = (&mut *self.model, &mut self.stopwatch);
-        let made = if self.runner.options.estimate && sample::is_due(self.ledger.step, self.steps) {
+        let sampled = self.runner.options.estimate && self.runner.scene.fluid().is_none();
+        let made = if sampled && sample::is_due(self.ledger.step, self.steps) {
             self.ledger.samples.step(model, from, dt, watch)
         } else {
             model.advance(from, dt, watch)
         };
         let report =
             made.map_err(|source| RunError::Step { run: run(), step: self.ledger.step + 1, time: from, source })?;
-        self.ledger.count(&report, dt);
+        self.ledger.count(&report, self.model.flow().as_ref(), dt);
         self.ledger.time = leg.time(step + 1);
         self.look(step + 1 == leg.steps)
     }
@@ -268,6 +316,13 @@ impl Running<'_> {
     fn frame(&mut self, frame: u32) -> Result<(), RunError> {
         let begun = Instant::now();
         self.ledger.enter(frame, self.model.totals());
+        if let Some(fraction) = self.runner.needs.front
+            && let Some(reach) = self.model.reach(fraction)
+        {
+            let (time, given) = (self.ledger.time, self.runner.scene.medium_speed());
+            let carried = if self.model.flow_state().is_some() { self.ledger.flow.carried } else { given * time };
+            self.ledger.fronts.push(Front { time, fraction, reach, carried });
+        }
         let written = self.frames.as_mut().map(|frames| frames.write(frame, &*self.model, &mut self.ledger));
         self.stopwatch.add("output", begun.elapsed().as_secs_f64());
         written.unwrap_or(Ok(())).map_err(|error| self.runner.output(error))
@@ -318,13 +373,18 @@ impl Running<'_> {
         let again = if *rejections > 0 { format!(" and {rejections} made again") } else { String::new() };
         watch.note(&format!("run `{name}`: {steps} steps{again} in {:.1} s; {}", seconds.total, error.words()));
         let last = frames::last(View::of(runner.scene).as_ref(), &*model);
+        let cloud = match runner.options.write {
+            true => cloud::cloud(runner.scene, &*model, ledger.time).map_err(|error| runner.output(error))?,
+            false => None,
+        };
         let Needs { phi, flux, .. } = runner.needs;
         let evidence = Evidence {
             time: ledger.time,
             phi: phi.then(|| model.phi()),
             flux: flux.then(|| model.flux()),
             half: ledger.half,
+            fronts: ledger.fronts,
         };
-        Ok(Outcome { summary, evidence, last })
+        Ok(Outcome { summary, evidence, last, cloud })
     }
 }

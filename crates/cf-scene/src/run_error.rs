@@ -4,6 +4,7 @@ use crate::build::BuildError;
 use crate::checkpoint::CheckpointError;
 use crate::model::StepFailure;
 use cf_diffusion::StepError;
+use cf_fluid::FlowError;
 use cf_output::OutputError;
 use std::path::PathBuf;
 
@@ -123,6 +124,14 @@ fn advice(error: &StepFailure) -> &'static str {
             "raise accuracy.tolerance, set accuracy.precision to f64, or shorten accuracy.dt"
         }
         StepFailure::Split(StepError::Advect(_)) => "check the medium, or shorten accuracy.dt",
+        StepFailure::Flow(FlowError::Pressure(_)) => {
+            "raise accuracy.eta_div, set accuracy.precision to f64, or lower accuracy.cfl"
+        }
+        StepFailure::Flow(FlowError::NotFinite { .. }) => {
+            "lower accuracy.cfl, or check jets, forces and buoyancy in model.medium"
+        }
+        StepFailure::Runaway { .. } => "lower accuracy.cfl, or take accuracy.flow: Auto",
+        StepFailure::Flow(FlowError::Scalar(_)) => "lower accuracy.cfl, or set accuracy.integrator to Sdirk2",
         _ => "check the scene's numbers",
     }
 }

@@ -81,6 +81,9 @@ impl Samples {
         let Self { count, sum, embedded, .. } = *self;
         let how = match &scene.model {
             scene::Model::SingleField(_) => "none is made: the solution is exact in time",
+            _ if scene.fluid().is_some() => {
+                "none is made where a fluid is solved for: it would take all its fields again"
+            }
             _ if matches!(scene.numerics.step, TimeStep::Adaptive(_)) => "from the two stages of every step taken",
             _ if count == 0 => "no step was sampled",
             _ if embedded.is_some() => "sampled steps: in one and in two halves, and from their two stages",
@@ -96,7 +99,7 @@ impl Samples {
 
 /// The order of the steps as a whole.
 fn order(scene: &Scene, pace: &Pace) -> u32 {
-    let moves = scene.medium_speed() > 0.0 && pace.integrator != Some(Integrator::Characteristic);
+    let moves = scene.moves() && pace.integrator != Some(Integrator::Characteristic);
     let lie = moves && (scene.numerics.splitting == Splitting::Lie || scene.numerics.advection == Advection::Linear);
     if lie || pace.integrator == Some(Integrator::PaperBe) { 1 } else { 2 }
 }

@@ -1,9 +1,10 @@
 //! A scene after validation: plain numbers, every default filled in, nothing left to decide but the physics.
 
 use crate::error::SceneError;
+use crate::solid::MaskFile;
 use crate::spec::{
-    Advection, Axes, AxisSides, Deposit, Flow, Integrator, Level, Medium, Output, Precision, Pulse, Shape,
-    SingleFieldForm, Solver, SourceSpec, Splitting,
+    Advection, Axes, AxisSides, Deposit, Flow, FlowScheme, FlowWall, Grip, Integrator, JetSpec, Level, Medium, Output,
+    Precision, Pulse, Shape, SingleFieldForm, Solver, SourceSpec, Splitting,
 };
 
 /// One run, ready to be built.
@@ -30,7 +31,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// A bound of the speed of the medium in the box \[m/s\].
+    /// A bound of the speed of the medium in the box \[m/s\]; of a solved fluid, the largest speed that it is given.
     pub fn medium_speed(&self) -> f64 {
         let grid = &self.grid;
         let medium = match &self.model {
@@ -51,7 +52,21 @@ impl Scene {
                 let longest = grid.extent.iter().copied().fold(0.0, f64::max);
                 if grid.dimension() == 3 { 2.0 * longest } else { longest }
             }
+            Medium::Solved { .. } => self.fluid().map_or(0.0, Fluid::given_speed),
         }
+    }
+
+    /// The fluid, where the medium is one that is solved for.
+    pub fn fluid(&self) -> Option<&Fluid> {
+        match &self.model {
+            Model::Diffusion(model) => model.fluid.as_ref(),
+            Model::SingleField(_) => None,
+        }
+    }
+
+    /// Whether the medium moves, or may.
+    pub fn moves(&self) -> bool {
+        self.fluid().is_some() || self.medium_speed() > 0.0
     }
 }
 
@@ -81,9 +96,10 @@ impl Grid {
 }
 
 /// The kinds of models.
+#[allow(clippy::large_enum_variant)] // A scene has one of them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Model {
-    /// Cattaneo-Fourier diffusion in a prescribed medium, in two or three dimensions.
+    /// Cattaneo-Fourier diffusion in a medium, in two or three dimensions.
     Diffusion(Diffusion),
     /// A pulse in a one-dimensional flow.
     SingleField(SingleField),
@@ -96,12 +112,60 @@ pub struct Diffusion {
     pub law: Law,
     /// How the medium moves.
     pub medium: Medium,
+    /// What moves it, where it is solved for.
+    pub fluid: Option<Fluid>,
     /// `phi` at the start, summed.
     pub initial: Vec<Deposit>,
     /// What is added while it runs.
     pub sources: Vec<SourceSpec>,
     /// Solid shapes.
     pub obstacles: Vec<Shape>,
+    /// Solid cells from a file.
+    pub mask: Option<MaskFile>,
+}
+
+/// A fluid that is solved for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fluid {
+    /// Velocity at the start \[m/s\].
+    pub velocity: Axes<f64>,
+    /// Its walls, low and high along each axis; closed along a periodic one, where nothing meets them.
+    pub walls: Vec<[FlowWall; 2]>,
+    /// A force everywhere \[m/s²\].
+    pub force: Axes<f64>,
+    /// A force where `phi` is.
+    pub buoyancy: Option<Buoyancy>,
+    /// Where it is given a velocity.
+    pub jets: Vec<JetSpec>,
+}
+
+/// Buoyancy b = strength · (phi − reference) · up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Buoyancy {
+    /// \[m/s² per P\]
+    pub strength: f64,
+    /// \[P\]
+    pub reference: f64,
+    /// A unit vector.
+    pub up: Axes<f64>,
+}
+
+impl Fluid {
+    /// Whether jets hold faces.
+    pub(crate) fn holds(&self) -> bool {
+        self.jets.iter().any(|jet| jet.how == Grip::Hold)
+    }
+
+    /// The largest speed at the start, of a jet or of an inflow \[m/s\].
+    pub fn given_speed(&self) -> f64 {
+        let speed = |velocity: &Axes<f64>| velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let walls = self.walls.iter().flatten().map(|wall| match wall {
+            FlowWall::Inflow(velocity) => speed(velocity),
+            FlowWall::Closed | FlowWall::Open => 0.0,
+        });
+        let jets = self.jets.iter().map(|jet| speed(&jet.velocity));
+        walls.chain(jets).fold(speed(&self.velocity), f64::max)
+    }
 }
 
 /// A pulse by a chosen form of the equations.
@@ -159,6 +223,10 @@ pub struct Numerics {
     pub precision: Precision,
     /// How linear systems are solved.
     pub solver: Solver,
+    /// How a solved fluid is stepped.
+    pub flow: FlowScheme,
+    /// The largest max|div u| dt that a projection of a solved fluid leaves.
+    pub eta_div: f64,
 }
 
 /// How the time step is chosen. Frames and the end may shorten single steps.
@@ -172,6 +240,8 @@ pub enum TimeStep {
     Bounded(f64),
     /// As long as this relative error of a step allows; only for Sdirk2.
     Adaptive(f64),
+    /// As long as a solved fluid moves by at most this many cells, which is found out at each step.
+    Courant(f64),
     /// The step in which transport is a shift by whole cells, exact, where there is such a step; otherwise as `Bounded`.
     Shift(f64),
 }

@@ -1,27 +1,66 @@
-//! Which cells are solid: those whose centre lies in an obstacle.
+//! Which cells are solid: those whose centre lies in an obstacle, or that a mask file says are.
 
 use crate::scene::{Grid, Model, Scene};
-use crate::spec::Shape;
+use crate::spec::{Axes, Shape};
+use std::fmt;
+use std::sync::Arc;
+
+/// The content of a mask file.
+#[derive(Clone, PartialEq)]
+pub struct MaskFile {
+    /// The file, as the scene names it.
+    pub file: String,
+    /// Its cells along each axis.
+    pub cells: Axes<usize>,
+    /// One byte a cell, x fastest; 0 is fluid.
+    pub bytes: Arc<[u8]>,
+}
+
+impl fmt::Debug for MaskFile {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // In the place of the bytes, what tells masks apart.
+        write!(f, "MaskFile({:?}, {:?}, {:08x})", self.file, self.cells, crc32fast::hash(&self.bytes))
+    }
+}
+
+impl MaskFile {
+    /// Whether the cell of the mask that holds a point of the box is solid.
+    fn holds(&self, point: &[f64], grid: &Grid) -> bool {
+        let place = (0..self.cells.len()).rev().fold(0, |place, axis| {
+            let share = (point[axis] - grid.origin[axis]) / grid.extent[axis];
+            let index = (share * self.cells[axis] as f64).max(0.0) as usize;
+            place * self.cells[axis] + index.min(self.cells[axis] - 1)
+        });
+        self.bytes.get(place).is_some_and(|byte| *byte != 0)
+    }
+}
 
 /// The obstacles of a box.
 pub(crate) struct Solid<'a> {
-    pub grid: &'a Grid,
-    pub obstacles: &'a [Shape],
+    grid: &'a Grid,
+    obstacles: &'a [Shape],
+    mask: Option<&'a MaskFile>,
 }
 
 impl<'a> Solid<'a> {
     /// The obstacles of a scene; none for a model without walls.
     pub fn of(scene: &'a Scene) -> Self {
-        let obstacles = match &scene.model {
-            Model::Diffusion(model) => model.obstacles.as_slice(),
-            Model::SingleField(_) => &[],
+        let (obstacles, mask) = match &scene.model {
+            Model::Diffusion(model) => (model.obstacles.as_slice(), model.mask.as_ref()),
+            Model::SingleField(_) => (&[][..], None),
         };
-        Solid { grid: &scene.grid, obstacles }
+        Solid { grid: &scene.grid, obstacles, mask }
+    }
+
+    /// Whether there are no obstacles.
+    pub fn is_empty(&self) -> bool {
+        self.obstacles.is_empty() && self.mask.is_none()
     }
 
     /// Whether the point, a cell's centre, is in a solid cell.
     pub fn holds(&self, centre: &[f64]) -> bool {
         self.obstacles.iter().any(|shape| shape.weight(centre, &self.grid.origin, &self.grid.extent) > 0.0)
+            || self.mask.is_some_and(|mask| mask.holds(centre, self.grid))
     }
 
     /// The centre of the cells with index `i` along an axis \[m\].

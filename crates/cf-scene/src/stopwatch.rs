@@ -1,6 +1,7 @@
 //! Wall time by phase: the clock that physics does not have.
 
 use cf_diffusion::{Observer, Phase};
+use cf_fluid::{FlowObserver, FlowPhase};
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -8,13 +9,14 @@ use std::time::Instant;
 #[derive(Debug, Default)]
 pub(crate) struct Stopwatch {
     phases: BTreeMap<String, f64>,
-    begun: Option<Instant>,
+    /// Phases under way, each with the seconds spent in phases inside it.
+    begun: Vec<(Instant, f64)>,
 }
 
 impl Stopwatch {
     /// Goes on from seconds counted before.
     pub fn from_phases(phases: BTreeMap<String, f64>) -> Self {
-        Stopwatch { phases, begun: None }
+        Stopwatch { phases, begun: Vec::new() }
     }
 
     pub fn phases(&self) -> &BTreeMap<String, f64> {
@@ -30,18 +32,61 @@ impl Stopwatch {
     }
 }
 
+impl Stopwatch {
+    fn start(&mut self) {
+        self.begun.push((Instant::now(), 0.0));
+    }
+
+    /// Counts a phase without those inside it.
+    fn stop(&mut self, name: &str) {
+        let Some((begun, inside)) = self.begun.pop() else { return };
+        let seconds = begun.elapsed().as_secs_f64();
+        if let Some((_, outer)) = self.begun.last_mut() {
+            *outer += seconds;
+        }
+        self.add(name, (seconds - inside).max(0.0));
+    }
+}
+
 impl Observer for Stopwatch {
     fn begin(&mut self, _: Phase) {
-        self.begun = Some(Instant::now());
+        self.start();
     }
 
     fn end(&mut self, phase: Phase) {
-        let name = match phase {
+        self.stop(match phase {
             Phase::Transport => "transport",
             Phase::Diffusion => "diffusion",
-        };
-        if let Some(begun) = self.begun.take() {
-            self.add(name, begun.elapsed().as_secs_f64());
-        }
+        });
+    }
+}
+
+impl FlowObserver for Stopwatch {
+    fn begin(&mut self, _: FlowPhase) {
+        self.start();
+    }
+
+    fn end(&mut self, phase: FlowPhase) {
+        self.stop(match phase {
+            FlowPhase::Advection => "advection",
+            FlowPhase::Projection => "projection",
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn a_phase_inside_another_is_not_counted_twice() {
+        let mut watch = Stopwatch::default();
+        FlowObserver::begin(&mut watch, FlowPhase::Advection);
+        FlowObserver::begin(&mut watch, FlowPhase::Projection);
+        std::thread::sleep(Duration::from_millis(20));
+        FlowObserver::end(&mut watch, FlowPhase::Projection);
+        FlowObserver::end(&mut watch, FlowPhase::Advection);
+        assert!(watch.seconds("projection") >= 0.02 && watch.seconds("advection") < 0.01);
     }
 }

@@ -86,6 +86,8 @@ pub struct RunSummary {
     pub regime: RegimeSummary,
     /// Largest residual of any solve \[P\], a bound of what one solve adds to the error.
     pub residual: f64,
+    /// The solved fluid, if there is one.
+    pub flow: Option<FlowSummary>,
     /// What is known of the error.
     pub error: ErrorSummary,
     /// Steps made again because their error was above the tolerance; only adaptive steps are.
@@ -168,6 +170,48 @@ pub struct Iterations {
     pub max: usize,
 }
 
+/// What a solved fluid did.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct FlowSummary {
+    /// How it was stepped, with the number of steps of each scheme.
+    pub scheme: String,
+    /// The plan of the pressure solves.
+    pub solver: String,
+    /// Why this plan.
+    pub solver_reason: String,
+    /// Projections made, and the solver iterations of each.
+    pub projections: Iterations,
+    /// Largest max|div u| dt after any projection.
+    pub divergence: f64,
+    /// What every projection was to reach.
+    pub eta_div: f64,
+    /// Projections that rounding kept above it.
+    pub at_floor: u64,
+    /// Largest mean of div u \[1/s\] over a part of the fluid whose held velocities do not balance; 0 where they do.
+    pub imbalance: f64,
+    /// Largest max|u_a| dt/h of a step.
+    pub courant: f64,
+    /// Largest |u| of any step \[m/s\].
+    pub speed: f64,
+    /// Kinetic energy at the end, ∫ u²/2 \[m^(D+2)/s²\].
+    pub energy: f64,
+    /// Work of buoyancy and force \[m^(D+2)/s²\].
+    pub work: f64,
+    /// H_c = |u|/c over the cells at the end; none without waves.
+    pub hc: Option<HcSummary>,
+}
+
+/// H_c as a field.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct HcSummary {
+    /// Mean over the fluid cells.
+    pub mean: f64,
+    /// The largest.
+    pub max: f64,
+    /// Share of the fluid cells above 1, where the flow is faster than the waves.
+    pub above_one: f64,
+}
+
 /// Wall seconds.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Seconds {
@@ -175,7 +219,7 @@ pub struct Seconds {
     pub total: f64,
     /// Steps alone, per step.
     pub per_step: f64,
-    /// By phase: `transport`, `diffusion`, `output`.
+    /// By phase: `transport`, `diffusion`, `output`; of a solved fluid `advection` and `projection`.
     pub phases: BTreeMap<String, f64>,
 }
 

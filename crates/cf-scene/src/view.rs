@@ -31,7 +31,7 @@ impl View {
             2 => Slice { axis: 2, index: 0 },
             3 => {
                 // Across the axis along which the medium moves least, the last of equals.
-                let u = velocity(scene).unwrap_or_default();
+                let u = velocity(scene).or_else(|| driven(scene)).unwrap_or_default();
                 let speed = |axis: usize| u.get(axis).copied().unwrap_or(0.0).abs();
                 let axis = (0..3).fold(2, |best, axis| if speed(axis) < speed(best) { axis } else { best });
                 let middle = source_centre(scene).map_or(grid.origin[axis] + 0.5 * grid.extent[axis], |c| c[axis]);
@@ -48,7 +48,7 @@ impl View {
     /// Which cells of the layer are solid; `None` where the scene has no obstacles.
     pub fn solid(&self, scene: &Scene) -> Option<Vec<bool>> {
         let solid = Solid::of(scene);
-        if solid.obstacles.is_empty() {
+        if solid.is_empty() {
             return None;
         }
         let [right, up] = self.axes;
@@ -114,6 +114,14 @@ fn velocity(scene: &Scene) -> Option<Vec<f64>> {
         },
         Model::SingleField(_) => None,
     }
+}
+
+/// Where a solved fluid is driven to: along its first jet, its inflow or start, or upwards.
+fn driven(scene: &Scene) -> Option<Vec<f64>> {
+    let fluid = scene.fluid()?;
+    let jet = fluid.jets.first().map(|jet| jet.velocity.to_vec());
+    let start = || fluid.velocity.iter().any(|v| *v != 0.0).then(|| fluid.velocity.to_vec());
+    jet.or_else(start).or_else(|| Some(fluid.buoyancy.as_ref()?.up.to_vec()))
 }
 
 fn source_centre(scene: &Scene) -> Option<Vec<f64>> {

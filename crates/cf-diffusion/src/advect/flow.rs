@@ -60,6 +60,7 @@ impl<T: Real, const D: usize> Stream<'_, T, D> {
     fn close(&self, sites: &Sites<D>, axis: usize, chunk: Chunk<D>, low: &mut [T], high: &mut [T]) {
         if sites.normal.is_none()
             && let Some(fluid) = self.fluid
+            && !sites.clear(fluid, chunk, axis)
         {
             for i in 0..chunk.len {
                 let cell = chunk.one(i).cell;

@@ -87,6 +87,32 @@ impl<const D: usize> Sites<D> {
         })
     }
 
+    /// Whether a chunk and two cells on either side of it along `axis` are fluid, so that it meets no solid at all. Where
+    /// the chunk comes near a periodic end of x, the answer is no.
+    pub fn clear(&self, fluid: &[bool], chunk: Chunk<D>, axis: usize) -> bool {
+        let cells = self.layout.cells();
+        let around = if axis == 0 { 2 } else { 0 };
+        let (first, end) = (chunk.cell[0].saturating_sub(around), chunk.cell[0] + chunk.len + around);
+        if axis == 0 && self.edges.is_periodic(0) && (chunk.cell[0] < around || end > cells[0]) {
+            return false;
+        }
+        let len = end.min(cells[0]).saturating_sub(first);
+        let reach = if axis == 0 { 0..=0 } else { -2..=2 };
+        reach.into_iter().all(|by: isize| {
+            let mut cell = chunk.cell;
+            cell[0] = first;
+            if axis > 0 {
+                let (n, index) = (cells[axis] as isize, chunk.cell[axis] as isize + by);
+                if !self.edges.is_periodic(axis) && !(0..n).contains(&index) {
+                    return true;
+                }
+                cell[axis] = index.rem_euclid(n) as usize;
+            }
+            let start = self.layout.slot(cell);
+            fluid[start..start + len].iter().all(|&fluid| fluid)
+        })
+    }
+
     /// Whether the face of these sites at `cell` touches no solid; on a wall only the cell inside counts.
     pub fn open(&self, fluid: &[bool], cell: [usize; D]) -> bool {
         let Some(a) = self.normal else {

@@ -312,14 +312,20 @@ impl<T: Real, const D: usize> Sweep<'_, T, D> {
         out: &mut [T],
     ) {
         let n = chunk.len;
-        if self.sites.normal.is_some() {
+        if let Some(normal) = self.sites.normal {
             flux_form(rows, low, high, add, out);
+            if self.sites.clear(fluid, chunk, normal) {
+                return;
+            }
             for i in 0..n {
                 if !self.sites.open(fluid, chunk.one(i).cell) {
                     out[i] = T::ZERO;
                 }
             }
             return;
+        }
+        if self.sites.clear(fluid, chunk, self.axis) {
+            return self.flux_form(chunk, rows, low, high, add, out);
         }
         let mut near = [[T::ZERO; CHUNK]; 5];
         for i in 0..n {

@@ -1,7 +1,7 @@
 //! Shapes on cells: the share of a cell that a shape covers, so that sums do not depend on where the grid lies.
 
 use crate::spec::Shape;
-use cf_grid::{Grid, Real};
+use cf_grid::{Grid, Real, Region};
 
 /// Shares closer than this to 0 or 1 are rounding.
 const ROUNDING: f64 = 1e-9;
@@ -10,6 +10,16 @@ const POINTS: usize = 4;
 
 /// Adds `value` times the shape to every cell it touches.
 pub(super) fn deposit<T: Real, const D: usize>(grid: &Grid<D>, shape: &Shape, value: f64, cells: &mut [T]) {
+    let region = around(grid, shape);
+    grid.layout().par_runs(region, cells, |run, row: &mut [T]| {
+        for (at, cell) in run.ats().zip(row) {
+            *cell += T::of(value * share(grid, shape, at.cell));
+        }
+    });
+}
+
+/// The cells that a shape may touch.
+pub(super) fn around<const D: usize>(grid: &Grid<D>, shape: &Shape) -> Region<D> {
     let mut region = grid.layout().cells_region();
     for axis in 0..D {
         let (low, high) = shape.bounds(axis);
@@ -20,11 +30,7 @@ pub(super) fn deposit<T: Real, const D: usize>(grid: &Grid<D>, shape: &Shape, va
             region.high[axis] = region.high[axis].min((index(high) + 2.0).max(0.0) as usize);
         }
     }
-    grid.layout().par_runs(region, cells, |run, row: &mut [T]| {
-        for (at, cell) in run.ats().zip(row) {
-            *cell += T::of(value * share(grid, shape, at.cell));
-        }
-    });
+    region
 }
 
 /// The share of a cell inside a shape; the value at its centre for shapes without an edge.

@@ -1,16 +1,16 @@
-//! Cattaneo-Fourier diffusion in a prescribed medium, as a model.
+//! Cattaneo-Fourier diffusion in a medium, as a model.
 
 use super::flow::MakeFlow;
-use super::stepper::{Domain, Flux, Stepper};
+use super::stepper::{Domain, Flux, Stepper, Velocity};
 use super::{BuildError, coverage};
-use crate::model::{Model, Number, StepFailure, Totals, Values, ValuesMut};
+use crate::model::{FlowState, FlowStep, Model, Number, StepFailure, Totals, Values, ValuesMut};
 use crate::pace::Pace;
 use crate::scene::{self, Scene};
 use crate::solid::Solid;
-use crate::spec::{self, AxisSides, Field, SourceSpec};
+use crate::spec::{self, AxisSides, Field, Shape, SourceSpec};
 use crate::stopwatch::Stopwatch;
 use crate::summary::{FieldBytes, Range};
-use cf_diffusion::{Law, Medium, Source, StepReport};
+use cf_diffusion::{Law, Source, StepReport};
 use cf_grid::{Axis, CellField, FaceField, Grid, Mask, Sides, Wall};
 use cf_output::{Array, OutputError, Slice};
 
@@ -18,6 +18,8 @@ use cf_output::{Array, OutputError, Slice};
 pub(super) struct DiffusionModel<T, const D: usize> {
     grid: Grid<D>,
     sources: Vec<SourceSpec>,
+    /// Where phi was put in at the start.
+    initial: Vec<Shape>,
     /// The share of the step for which each source acts, and the rate field that follows.
     shares: Vec<f64>,
     rate: CellField<T>,
@@ -31,10 +33,12 @@ impl<T: Number, const D: usize> DiffusionModel<T, D> {
         let origin = scene.grid.origin.to_array().ok_or(wrong("such origin"))?;
         let grid = Grid::new(cells, scene.grid.spacing)?.with_origin(origin)?;
         let law = Law::new(model.law.k, model.law.tau, model.law.fourier)?;
-        let mask = (!model.obstacles.is_empty()).then(|| mask(&grid, &Solid::of(scene)));
+        let obstacles = Solid::of(scene);
+        let mask = (!obstacles.is_empty()).then(|| mask(&grid, &obstacles));
         let solid: Vec<usize> =
             mask.iter().flat_map(|mask| mask.fluid()).enumerate().filter(|(_, f)| !**f).map(|(i, _)| i).collect();
-        let domain = Domain { grid: &grid, sides: sides(scene, &law), mask, law, medium: &model.medium, make };
+        let (medium, fluid) = (&model.medium, model.fluid.as_ref());
+        let domain = Domain { grid: &grid, sides: sides(scene, &law), mask, law, medium, fluid, make };
         let mut stepper = Stepper::new(domain, &scene.numerics, pace)?;
         let phi = stepper.phi_mut();
         for deposit in &model.initial {
@@ -45,7 +49,9 @@ impl<T: Number, const D: usize> DiffusionModel<T, D> {
         }
         let (sources, shares) = (model.sources.clone(), vec![0.0; model.sources.len()]);
         let rate = CellField::new(grid.layout());
-        Ok(DiffusionModel { grid, sources, shares, rate, stepper })
+        let starts = model.initial.iter().filter(|deposit| deposit.value != 0.0);
+        let initial = starts.map(|deposit| deposit.shape.clone()).collect();
+        Ok(DiffusionModel { grid, sources, initial, shares, rate, stepper })
     }
 
     /// Brings the rate field up to date for a step.
@@ -56,9 +62,35 @@ impl<T: Number, const D: usize> DiffusionModel<T, D> {
         }
         self.rate.fill(T::ZERO);
         for (source, share) in self.sources.iter().zip(&shares).filter(|(_, share)| **share > 0.0) {
-            coverage::deposit(&self.grid, &source.shape, source.rate * share, &mut self.rate);
+            if let Some(rate) = source.rate {
+                coverage::deposit(&self.grid, &source.shape, rate * share, &mut self.rate);
+            }
         }
         self.shares = shares;
+    }
+
+    /// Sets phi where sources hold it in the middle of a step; gives the mass that this added \[P m^D\].
+    fn hold(&mut self, from: f64, dt: f64) -> f64 {
+        let (grid, middle) = (&self.grid, from + 0.5 * dt);
+        let (phi, mask) = self.stepper.held_mut();
+        let mut added = 0.0;
+        for source in &self.sources {
+            let Some(value) = source.value else { continue };
+            if source.from <= middle && source.until.is_none_or(|until| middle < until) {
+                let inside = |cell| {
+                    let (origin, extent) = (grid.origin(), grid.extent());
+                    source.shape.weight(grid.centre(cell).as_slice(), origin.as_slice(), extent.as_slice()) > 0.0
+                };
+                grid.layout().each_cell(coverage::around(grid, &source.shape), |at| {
+                    if mask.is_none_or(|mask| mask.fluid()[at.slot()]) && inside(at.cell) {
+                        let old = phi[at.slot()].f64();
+                        phi[at.slot()] = T::of(value);
+                        added += phi[at.slot()].f64() - old;
+                    }
+                });
+            }
+        }
+        added * grid.cell_volume()
     }
 
     fn each_cell(&self, mut visit: impl FnMut([usize; D], f64)) {
@@ -118,9 +150,52 @@ const SPEED: [&str; 3] = ["u along x", "u along y", "u along z"];
 impl<T: Number, const D: usize> Model for DiffusionModel<T, D> {
     fn advance(&mut self, from: f64, dt: f64, watch: &mut Stopwatch) -> Result<StepReport, StepFailure> {
         self.emit(from, dt);
-        let active = self.shares.iter().any(|share| *share > 0.0);
+        let adds = |(source, share): (&SourceSpec, &f64)| *share > 0.0 && source.rate.is_some();
+        let active = self.sources.iter().zip(&self.shares).any(adds);
+        let held = if self.sources.iter().any(|source| source.value.is_some()) { self.hold(from, dt) } else { 0.0 };
         let source = if active { Source::steady(&self.rate[..]) } else { Source::NONE };
-        self.stepper.step(from, dt, source, watch)
+        let report = self.stepper.step(from, dt, source, watch)?;
+        Ok(StepReport { emitted: report.emitted + held, ..report })
+    }
+
+    fn flow(&self) -> Option<FlowStep> {
+        self.stepper.flow()
+    }
+
+    fn flow_state(&self) -> Option<FlowState> {
+        let fluid = self.stepper.fluid()?;
+        let (choice, levels) = fluid.projection().choice();
+        let solver = format!("{:?}, {levels} levels", choice.plan);
+        let (hc, energy) = (self.stepper.hc(), fluid.kinetic_energy());
+        Some(FlowState { solver, reason: choice.reason.clone(), hc, energy })
+    }
+
+    fn longest(&mut self, time: f64, cfl: f64) -> f64 {
+        self.stepper.longest(time, cfl)
+    }
+
+    fn reach(&self, fraction: f64) -> Option<f64> {
+        let shapes: Vec<&Shape> = self.sources.iter().map(|source| &source.shape).chain(&self.initial).collect();
+        let (low, high) = self.grid.layout().range(self.stepper.phi());
+        let least = fraction * low.abs().max(high.abs());
+        let half = 0.5 * self.grid.h();
+        let mut reach = None;
+        self.each_cell(|cell, phi| {
+            if phi.abs() > least {
+                let x = self.grid.centre(cell);
+                // From the edge of the cell that is nearest: a cell that a shape touches has no distance.
+                let gap = |shape: &&Shape| {
+                    let along = |axis: usize| {
+                        let (from, to) = shape.bounds(axis);
+                        (from - x[axis]).max(x[axis] - to).max(half) - half
+                    };
+                    (0..D).map(|axis| along(axis).powi(2)).sum::<f64>().sqrt()
+                };
+                let nearest = shapes.iter().map(gap).fold(f64::INFINITY, f64::min);
+                reach = Some(reach.map_or(nearest, |most: f64| most.max(nearest)));
+            }
+        });
+        reach
     }
 
     fn totals(&self) -> Totals {
@@ -133,7 +208,7 @@ impl<T: Number, const D: usize> Model for DiffusionModel<T, D> {
         let cells = self.grid.cells();
         let periodic = std::array::from_fn(|axis| self.stepper.sides().is_periodic(axis));
         let box_of: [usize; 3] = std::array::from_fn(|a| cells.get(a).copied().unwrap_or(1));
-        let one = |field: &Field| match (field, self.stepper.flux(), self.stepper.medium()) {
+        let one = |field: &Field| match (field, self.stepper.flux(), self.stepper.velocity()) {
             (Field::Phi, ..) => Some(Array::padded("phi", &self.stepper.phi()[..], cells)),
             (Field::SlowFlux, Flux::Faces(flux), _) => Some(Array::faces("q_C", flux.axes(), cells, periodic)),
             (Field::SlowFlux, Flux::Cells(flux), _) => {
@@ -144,9 +219,18 @@ impl<T: Number, const D: usize> Model for DiffusionModel<T, D> {
                 };
                 Some(Ok(Array::per_cell::<T, 3>("q_C", box_of, value)))
             }
-            (Field::SlowFlux, Flux::None, _) | (Field::Velocity, _, Medium::Still) => None,
-            (Field::Velocity, _, Medium::Field(u)) => Some(Array::faces("u", u.axes(), cells, periodic)),
-            (Field::Velocity, _, Medium::Uniform(u)) => {
+            (Field::SlowFlux, Flux::None, _) | (Field::Velocity, _, Velocity::None) => None,
+            (Field::Velocity, _, Velocity::Faces(u)) => Some(Array::faces("u", u.axes(), cells, periodic)),
+            (Field::Pressure, ..) => {
+                let (fluid, layout) = (self.stepper.fluid()?, self.grid.layout());
+                // Schemes that keep none have none anywhere.
+                fluid.pressure(layout.slot([0; D]))?;
+                let value = move |index: [usize; 3]| {
+                    [fluid.pressure(layout.slot(std::array::from_fn(|a| index[a]))).unwrap_or(0.0) as f32]
+                };
+                Some(Ok(Array::per_cell("p", box_of, value)))
+            }
+            (Field::Velocity, _, Velocity::Uniform(u)) => {
                 let u: [f32; 3] = std::array::from_fn(|a| u.get(a).map_or(0.0, |u| *u as f32));
                 Some(Ok(Array::per_cell("u", box_of, move |_| u)))
             }
@@ -186,11 +270,17 @@ impl<T: Number, const D: usize> Model for DiffusionModel<T, D> {
             Flux::Faces(flux) => flux.bytes(),
             Flux::Cells(flux) => flux.iter().map(CellField::bytes).sum(),
         };
+        let flow = self.stepper.fluid().map_or(0, |fluid| fluid.bytes());
+        let velocity = match self.stepper.velocity() {
+            Velocity::Faces(u) if flow == 0 => u.bytes(),
+            _ => 0,
+        };
         let rows = [
             ("phi", self.stepper.phi().bytes()),
             ("q_C", flux),
             ("sources", self.rate.bytes()),
-            ("velocity", self.stepper.medium().bytes()),
+            ("velocity", velocity),
+            ("flow: velocities, pressure, solver", flow),
             ("stepper: scratch, solver, transport", self.stepper.bytes()),
         ];
         let stored = rows.into_iter().filter(|(_, bytes)| *bytes > 0);
@@ -208,7 +298,7 @@ impl<T: Number, const D: usize> Model for DiffusionModel<T, D> {
                 Range { field: name.into(), min, max }
             })),
         }
-        if let Medium::Field(velocity) = self.stepper.medium() {
+        if let Velocity::Faces(velocity) = self.stepper.velocity() {
             ranges.extend(self.face_ranges(SPEED, velocity));
         }
         ranges

@@ -3,6 +3,7 @@
 mod coverage;
 mod diffusion;
 mod flow;
+mod fluid;
 mod single_field;
 mod stepper;
 
@@ -12,6 +13,7 @@ use crate::scene::{self, Scene};
 use crate::spec::Precision;
 use cf_diffusion::front::FrontError;
 use cf_diffusion::{LawError, MediumError, StepError};
+use cf_fluid::FlowError;
 use cf_grid::GridError;
 use diffusion::DiffusionModel;
 use single_field::SingleFieldModel;
@@ -35,6 +37,9 @@ pub enum BuildError {
     /// The scheme for fronts.
     #[error(transparent)]
     Front(#[from] FrontError),
+    /// The fluid.
+    #[error(transparent)]
+    Flow(#[from] FlowError),
     /// A combination that does not exist.
     #[error("a scene of {axes} axes has no {what}")]
     Dimension {

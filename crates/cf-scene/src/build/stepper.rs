@@ -2,14 +2,17 @@
 
 use super::BuildError;
 use super::flow::{self, MakeFlow};
-use crate::model::{Number, StepFailure, Values, ValuesMut};
+use super::fluid::Carried;
+use crate::model::{FlowStep, Number, StepFailure, Values, ValuesMut};
 use crate::pace::Pace;
-use crate::scene::Numerics;
+use crate::scene::{self, Numerics};
 use crate::spec::{self, Flow, Precision, Solver};
 use crate::stopwatch::Stopwatch;
+use crate::summary::HcSummary;
 use cf_diffusion::front::{Front, FrontState};
 use cf_diffusion::{AdvectError, Advection, Diffusion, Integrator, Law, Medium, Settings, Source, Splitting, State};
 use cf_diffusion::{Observer, Phase, StepReport};
+use cf_fluid::Fluid;
 use cf_grid::{CellField, FaceField, Grid, Mask, Sides, Wall};
 use cf_linear::Plan;
 use nalgebra::SVector;
@@ -20,6 +23,8 @@ pub(super) enum Stepper<T, const D: usize> {
     Split(Box<Split<T, D>>),
     /// Waves along their characteristics; the flux lives in cells.
     Front(Box<Along<T, D>>),
+    /// A solved fluid, and what it carries.
+    Coupled(Box<Carried<T, D>>),
 }
 
 /// Waves of a medium that is still or uniform.
@@ -45,7 +50,18 @@ pub(super) struct Domain<'a, T, const D: usize> {
     pub mask: Option<Mask<D>>,
     pub law: Law,
     pub medium: &'a spec::Medium,
+    pub fluid: Option<&'a scene::Fluid>,
     pub make: MakeFlow<T, D>,
+}
+
+/// The velocity of the medium, where it lives.
+pub(super) enum Velocity<'a, T, const D: usize> {
+    /// There is none.
+    None,
+    /// The same everywhere.
+    Uniform(SVector<f64, D>),
+    /// Normal components on faces.
+    Faces(&'a FaceField<T, D>),
 }
 
 /// The flux with memory, where it lives.
@@ -62,9 +78,13 @@ const FLUX: [&str; 3] = ["q_C along x", "q_C along y", "q_C along z"];
 
 impl<T: Number, const D: usize> Stepper<T, D> {
     pub fn new(domain: Domain<'_, T, D>, numerics: &Numerics, pace: &Pace) -> Result<Self, BuildError> {
-        let Domain { grid, sides, mask, law, medium, make } = domain;
+        if let Some(fluid) = domain.fluid {
+            return Ok(Stepper::Coupled(Box::new(Carried::new(domain, fluid, numerics, pace)?)));
+        }
+        let Domain { grid, sides, mask, law, medium, make, .. } = domain;
         let (medium, changing) = match medium {
-            spec::Medium::Still => (Medium::Still, None),
+            // A fluid that was not resolved does not move.
+            spec::Medium::Still | spec::Medium::Solved { .. } => (Medium::Still, None),
             spec::Medium::Uniform(u) => {
                 let wrong = BuildError::Dimension { axes: D, what: "such medium" };
                 (Medium::Uniform(SVector::from(u.to_array().ok_or(wrong)?)), None)
@@ -100,6 +120,7 @@ impl<T: Number, const D: usize> Stepper<T, D> {
     ) -> Result<StepReport, StepFailure> {
         let split = match self {
             Stepper::Split(split) => split,
+            Stepper::Coupled(carried) => return carried.step(from, dt, source, watch),
             Stepper::Front(along) => {
                 watch.begin(Phase::Diffusion);
                 let report = along.front.step(&mut along.state, source, dt);
@@ -119,6 +140,7 @@ impl<T: Number, const D: usize> Stepper<T, D> {
         match self {
             Stepper::Split(split) => &split.state.phi,
             Stepper::Front(along) => &along.state.phi,
+            Stepper::Coupled(carried) => &carried.state.phi,
         }
     }
 
@@ -126,6 +148,16 @@ impl<T: Number, const D: usize> Stepper<T, D> {
         match self {
             Stepper::Split(split) => &mut split.state.phi,
             Stepper::Front(along) => &mut along.state.phi,
+            Stepper::Coupled(carried) => &mut carried.state.phi,
+        }
+    }
+
+    /// phi, with the cells that are not solid.
+    pub fn held_mut(&mut self) -> (&mut CellField<T>, Option<&Mask<D>>) {
+        match self {
+            Stepper::Split(split) => (&mut split.state.phi, split.diffusion.mask()),
+            Stepper::Front(along) => (&mut along.state.phi, None),
+            Stepper::Coupled(carried) => (&mut carried.state.phi, carried.coupled.diffusion.mask()),
         }
     }
 
@@ -133,21 +165,51 @@ impl<T: Number, const D: usize> Stepper<T, D> {
         match self {
             Stepper::Split(split) => split.state.slow_flux.as_ref().map_or(Flux::None, Flux::Faces),
             Stepper::Front(along) => Flux::Cells(&along.state.flux),
+            Stepper::Coupled(carried) => carried.state.slow_flux.as_ref().map_or(Flux::None, Flux::Faces),
         }
     }
 
-    /// The medium, where a field of it exists or one velocity describes it.
-    pub fn medium(&self) -> &Medium<T, D> {
-        match self {
+    /// The velocity of the medium.
+    pub fn velocity(&self) -> Velocity<'_, T, D> {
+        let medium = match self {
             Stepper::Split(split) => &split.medium,
             Stepper::Front(along) => &along.medium,
+            Stepper::Coupled(carried) => {
+                return carried.fluid().map_or(Velocity::None, |fluid| Velocity::Faces(fluid.velocity()));
+            }
+        };
+        match medium {
+            Medium::Still => Velocity::None,
+            Medium::Uniform(u) => Velocity::Uniform(*u),
+            Medium::Field(u) => Velocity::Faces(u),
         }
+    }
+
+    /// The solved fluid.
+    pub fn fluid(&self) -> Option<&Fluid<T, D>> {
+        if let Stepper::Coupled(carried) = self { carried.fluid() } else { None }
+    }
+
+    /// What the last step of a solved fluid did.
+    pub fn flow(&self) -> Option<FlowStep> {
+        if let Stepper::Coupled(carried) = self { carried.last } else { None }
+    }
+
+    /// |u|/c of a solved fluid.
+    pub fn hc(&self) -> Option<HcSummary> {
+        if let Stepper::Coupled(carried) = self { carried.hc() } else { None }
+    }
+
+    /// The longest step \[s\] that a solved fluid may make now for a Courant number.
+    pub fn longest(&mut self, time: f64, cfl: f64) -> f64 {
+        if let Stepper::Coupled(carried) = self { carried.longest(time, cfl) } else { f64::INFINITY }
     }
 
     pub fn sides(&self) -> &Sides<Wall, D> {
         match self {
             Stepper::Split(split) => split.diffusion.sides(),
             Stepper::Front(along) => along.front.sides(),
+            Stepper::Coupled(carried) => carried.coupled.diffusion.sides(),
         }
     }
 
@@ -156,6 +218,7 @@ impl<T: Number, const D: usize> Stepper<T, D> {
         match self {
             Stepper::Split(split) => split.diffusion.bytes(),
             Stepper::Front(along) => along.front.bytes(),
+            Stepper::Coupled(carried) => carried.coupled.diffusion.bytes(),
         }
     }
 
@@ -163,6 +226,7 @@ impl<T: Number, const D: usize> Stepper<T, D> {
     pub fn solver(&self) -> (String, String) {
         let choice = match self {
             Stepper::Split(split) => split.diffusion.choice(),
+            Stepper::Coupled(carried) => carried.coupled.diffusion.choice(),
             Stepper::Front(_) => None,
         };
         match choice {
@@ -179,38 +243,48 @@ impl<T: Number, const D: usize> Stepper<T, D> {
         let flux: Vec<&[T]> = match self {
             Stepper::Split(split) => split.state.slow_flux.iter().flat_map(|flux| flux.axes()).collect(),
             Stepper::Front(along) => along.state.flux.iter().map(|axis| &axis[..]).collect(),
+            Stepper::Coupled(carried) => carried.state.slow_flux.iter().flat_map(|flux| flux.axes()).collect(),
         };
         let flux = FLUX.into_iter().zip(flux).map(|(name, values)| (name, T::values(values)));
-        std::iter::once(("phi", T::values(self.phi()))).chain(flux).collect()
+        let flow = if let Stepper::Coupled(carried) = self { carried.unknowns() } else { Vec::new() };
+        std::iter::once(("phi", T::values(self.phi()))).chain(flux).chain(flow).collect()
     }
 
     /// The same, to be filled.
     pub fn unknowns_mut(&mut self) -> Vec<(&'static str, ValuesMut<'_>)> {
-        let (phi, flux): (&mut [T], Vec<&mut [T]>) = match self {
+        let (phi, flux, flow): (&mut [T], Vec<&mut [T]>, _) = match self {
             Stepper::Split(split) => {
                 let flux = split.state.slow_flux.iter_mut().flat_map(|flux| flux.axes_mut());
-                (&mut split.state.phi, flux.collect())
+                (&mut split.state.phi, flux.collect(), Vec::new())
             }
             Stepper::Front(along) => {
-                (&mut along.state.phi, along.state.flux.iter_mut().map(|axis| &mut axis[..]).collect())
+                (&mut along.state.phi, along.state.flux.iter_mut().map(|axis| &mut axis[..]).collect(), Vec::new())
+            }
+            Stepper::Coupled(carried) => {
+                let (state, flow) = carried.split_mut();
+                let flux = state.slow_flux.iter_mut().flat_map(|flux| flux.axes_mut());
+                (&mut state.phi, flux.collect(), flow)
             }
         };
         let flux = FLUX.into_iter().zip(flux).map(|(name, values)| (name, T::values_mut(values)));
-        std::iter::once(("phi", T::values_mut(phi))).chain(flux).collect()
+        std::iter::once(("phi", T::values_mut(phi))).chain(flux).chain(flow).collect()
     }
 
     /// Whether steps estimate their own error from now on; only Sdirk2 can.
     pub fn estimate(&mut self, on: bool) {
-        if let Stepper::Split(split) = self {
-            // The others say that they cannot, and do not.
-            let _ = split.diffusion.estimate_errors(on);
-        }
+        // The others say that they cannot, and do not.
+        let _ = match self {
+            Stepper::Split(split) => split.diffusion.estimate_errors(on),
+            Stepper::Coupled(carried) => carried.coupled.diffusion.estimate_errors(on),
+            Stepper::Front(_) => Ok(()),
+        };
     }
 
     /// The norm of the state that those estimates are to be compared with.
     pub fn norm(&self) -> f64 {
         match self {
             Stepper::Split(split) => split.diffusion.norm(&split.state),
+            Stepper::Coupled(carried) => carried.coupled.diffusion.norm(&carried.state),
             Stepper::Front(_) => 0.0,
         }
     }
@@ -219,6 +293,7 @@ impl<T: Number, const D: usize> Stepper<T, D> {
     pub fn reversed(&self) -> bool {
         match self {
             Stepper::Split(split) => split.diffusion.sweep_reversed(),
+            Stepper::Coupled(carried) => carried.coupled.diffusion.sweep_reversed(),
             Stepper::Front(along) => along.front.sweep_reversed(),
         }
     }
@@ -227,12 +302,13 @@ impl<T: Number, const D: usize> Stepper<T, D> {
         match self {
             _ if reversed == self.reversed() => {}
             Stepper::Split(split) => split.diffusion.set_sweep_reversed(reversed),
+            Stepper::Coupled(carried) => carried.coupled.diffusion.set_sweep_reversed(reversed),
             Stepper::Front(along) => along.front.set_sweep_reversed(reversed),
         }
     }
 }
 
-fn settings(numerics: &Numerics, pace: &Pace) -> Settings {
+pub(super) fn settings(numerics: &Numerics, pace: &Pace) -> Settings {
     Settings {
         integrator: match pace.integrator {
             Some(spec::Integrator::PaperBe) => Integrator::PaperBe,

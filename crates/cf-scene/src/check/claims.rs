@@ -62,6 +62,7 @@ fn one(check: &mut Checker<'_>, path: &str, claim: &Claim, runs: &[Scene]) {
             check.require(low.or(*high).is_some() || claim.kind != Kind::Must, path, || {
                 Detail::new("a claim that must hold needs `low` or `high`").advice("or make it kind: Report")
             });
+            measurable(check, path, quantity, run, runs);
             if let Some(source) = source_of(quantity) {
                 upstream(check, path, run, source, runs);
             }
@@ -69,6 +70,7 @@ fn one(check: &mut Checker<'_>, path: &str, claim: &Claim, runs: &[Scene]) {
         Statement::Monotone { quantity, runs: names, .. } => {
             several(check, &key("runs"), names);
             for run in names {
+                measurable(check, path, quantity, run, runs);
                 if let Some(source) = source_of(quantity) {
                     upstream(check, path, run, source, runs);
                 }
@@ -105,6 +107,24 @@ fn one(check: &mut Checker<'_>, path: &str, claim: &Claim, runs: &[Scene]) {
         }
         Statement::MassBudget { tolerance } => {
             check.positive(&key("tolerance"), *tolerance);
+        }
+        Statement::Divergence { most } => {
+            check.positive(&key("most"), *most);
+            solved(check, path, runs.iter().any(|scene| scene.fluid().is_some()));
+        }
+        Statement::Iterations { .. } => {}
+        Statement::FlowIterations { .. } => {
+            solved(check, path, runs.iter().any(|scene| scene.fluid().is_some()));
+        }
+        Statement::Front { run, fraction, .. } => {
+            check.require(*fraction > 0.0 && *fraction < 1.0, &key("fraction"), || {
+                out_of_range("above 0 and below 1", *fraction)
+            });
+            let Some(scene) = find(runs, run) else { return };
+            check.require(front_speed(scene).is_some(), path, || {
+                Detail::new(format!("the signals of run `{run}` reach every cell at once"))
+                    .expected("a law with fourier: 0 and tau above 0, or with k: 0")
+            });
         }
         Statement::Speed { run, tolerance, .. } => {
             check.positive(&key("tolerance"), *tolerance);
@@ -147,6 +167,36 @@ fn regions(check: &mut Checker<'_>, path: &str, statement: &Statement, runs: &[S
                     .expected("tau above 0 and fourier below 1")
             }),
         };
+    }
+}
+
+/// The speed of signals relative to the medium \[m/s\]; `None` where there is no bound.
+pub(crate) fn front_speed(scene: &Scene) -> Option<f64> {
+    let Model::Diffusion(model) = &scene.model else { return None };
+    match model.law {
+        Law { k: 0.0, .. } => Some(0.0),
+        Law { fourier: 0.0, .. } => model.law.speed(),
+        _ => None,
+    }
+}
+
+fn solved(check: &mut Checker<'_>, path: &str, is: bool) {
+    check.require(is, path, || {
+        Detail::new("this is about a fluid that is solved for, and there is none").expected("medium: Solved(…)")
+    });
+}
+
+/// Whether a run has what a quantity is about.
+fn measurable(check: &mut Checker<'_>, path: &str, quantity: &Quantity, run: &str, runs: &[Scene]) {
+    let Some(scene) = find(runs, run) else { return };
+    match quantity {
+        Quantity::Centre(axis) | Quantity::RadiusAbout(axis) => {
+            check.require(axis.index() < scene.grid.dimension(), path, || {
+                Detail::new("the grid has no such axis").expected(format!("one of {}", scene.grid.dimension()))
+            });
+        }
+        Quantity::EnergyPerWork => solved(check, path, scene.fluid().is_some()),
+        _ => {}
     }
 }
 
@@ -208,7 +258,11 @@ pub(crate) fn read(parameter: Knob, scene: &Scene) -> Option<f64> {
         Knob::CellSize => Some(scene.grid.spacing),
         Knob::TimeStep => match scene.numerics.step {
             TimeStep::Fixed(dt) => Some(dt),
-            TimeStep::Cfl(_) | TimeStep::Bounded(_) | TimeStep::Adaptive(_) | TimeStep::Shift(_) => None,
+            TimeStep::Cfl(_)
+            | TimeStep::Bounded(_)
+            | TimeStep::Adaptive(_)
+            | TimeStep::Courant(_)
+            | TimeStep::Shift(_) => None,
         },
     }
 }

@@ -33,6 +33,8 @@ pub(super) fn uses(check: &Checker<'_>, spec: &AccuracySpec, scene: &Scene, pace
         ("tolerance", spec.tolerance.is_some()),
         ("precision", spec.precision.is_some()),
         ("solver", spec.solver.is_some()),
+        ("flow", spec.flow.is_some()),
+        ("eta_div", spec.eta_div.is_some()),
     ];
     let one = |(key, _): (&str, bool)| {
         let why = why_idle(key, spec, scene, pace);
@@ -54,6 +56,9 @@ fn why_idle(key: &str, spec: &AccuracySpec, scene: &Scene, pace: &Pace) -> Optio
         Model::SingleField(_) => return Some("a SingleField pulse is solved exactly, in double precision".to_owned()),
         Model::Diffusion(model) => model.medium == Medium::Still,
     };
+    if matches!(key, "flow" | "eta_div") {
+        return scene.fluid().is_none().then(|| "no fluid is solved for".to_owned());
+    }
     if still && key == "advection" {
         return Some("the medium is still".to_owned());
     }

@@ -3,8 +3,9 @@
 use super::Checker;
 use crate::error::Detail;
 use crate::pace::Pace;
-use crate::scene::{Model, Scene, TimeStep};
-use crate::spec::{Flow, Integrator, Medium, Precision};
+use crate::scene::{Fluid, Model, Scene, TimeStep};
+use crate::solid::Solid;
+use crate::spec::{Flow, FlowScheme, Integrator, Medium, Precision};
 
 /// What a run may use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,12 +67,21 @@ impl Scene {
             return MemoryTable { rows };
         };
         let integrator = Pace::of(self).integrator;
-        let (flux, moves) = (if model.law.has_memory() { d } else { 0.0 }, model.medium != Medium::Still);
+        let (flux, moves) = (if model.law.has_memory() { d } else { 0.0 }, self.moves());
         let prescribed = matches!(model.medium, Medium::Analytic(Flow::Rotation { .. } | Flow::Deformation { .. }));
         add("phi", 1.0, word);
         add("q_C", flux, word);
         add("sources", if model.sources.is_empty() { 0.0 } else { 1.0 }, word);
         add("velocity", if prescribed { d } else { 0.0 }, word);
+        if model.fluid.is_some() {
+            let kept = matches!(self.numerics.flow, FlowScheme::Auto | FlowScheme::Cnp);
+            let stages = if self.numerics.flow == FlowScheme::CentralRk4 { 2.0 * d } else { 0.0 };
+            add("flow: u, u before, next u, stages", 3.0 * d + stages, word);
+            add("flow: pressure and potentials", if kept { 3.0 } else { 2.0 }, word);
+            add("flow: solver vectors and levels", 2.0 + 5.5, word);
+            let walls = !Solid::of(self).is_empty() || model.fluid.as_ref().is_some_and(Fluid::holds);
+            add("flow: face weights on all levels, masks", if walls { d + 7.0 } else { 0.0 }, word);
+        }
         add("advection buffers", if moves && integrator != Some(Integrator::Characteristic) { 2.0 } else { 0.0 }, word);
         match integrator {
             None | Some(Integrator::Kdk) => add("step buffer", 1.0, word),
@@ -84,7 +94,7 @@ impl Scene {
         }
         if matches!(self.numerics.step, TimeStep::Adaptive(_)) {
             add("state to go back to, difference of the stages", 2.0 * (1.0 + flux), word);
-        } else {
+        } else if model.fluid.is_none() {
             add("samples of the error", 2.0 + flux, word);
         }
         add(
@@ -92,7 +102,7 @@ impl Scene {
             if self.numerics.precision == Precision::Mixed { 2.5 } else { 0.0 },
             4,
         );
-        add("face weights and diagonal", if model.obstacles.is_empty() { 0.0 } else { d + 1.0 }, word);
+        add("face weights and diagonal", if Solid::of(self).is_empty() { 0.0 } else { d + 1.0 }, word);
         add("output", 1.0, 4);
         MemoryTable { rows }
     }

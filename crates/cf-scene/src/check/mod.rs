@@ -3,9 +3,11 @@
 //! Each section has a function that takes what was written and gives what it means, reporting every problem it meets.
 
 mod claims;
+mod fluid;
 mod grid;
 mod knobs;
 mod law;
+mod mask;
 pub(crate) mod memory;
 mod model;
 mod names;
@@ -17,18 +19,19 @@ mod solid;
 mod time;
 mod trial;
 
-pub(crate) use claims::{claims, read};
+pub(crate) use claims::{claims, front_speed, read};
 pub(crate) use knobs::{Use, idle};
 pub use memory::{Limits, MemoryRow, MemoryTable};
 pub(crate) use names::names;
 
 use crate::error::{Detail, Problems, SceneError, number};
 use crate::pace::Pace;
-use crate::scene::Scene;
+use crate::scene::{Model, Scene};
 use crate::spec::{Precision, SceneSpec};
 use crate::text::merged::Merged;
 use crate::text::path::Path;
 use crate::text::tree::Shape;
+use std::path::PathBuf;
 
 /// Validates one run and says which knobs it was given. Its name and label are left empty.
 pub(crate) fn scene(
@@ -42,16 +45,20 @@ pub(crate) fn scene(
     check.stop()?;
     let grid = grid::grid(&mut check, spec);
     check.stop()?;
-    let model = model::model(&mut check, &spec.model, &grid);
+    let mut model = model::model(&mut check, &spec.model, &grid);
     check.stop()?;
     let sides = sides::sides(&mut check, &spec.sides, &grid, &model);
+    if let Model::Diffusion(model) = &mut model {
+        model.fluid = fluid::fluid(&mut check, &model.medium, &sides, &grid);
+    }
     let numerics = numerics::numerics(&mut check, &spec.accuracy, &grid, &model, preset);
     let schedule = schedule::schedule(&mut check, &spec.run);
     if numerics.precision == Precision::F32 {
         model::fits_f32(&mut check, &model);
         sides::fits_f32(&mut check, &sides);
     }
-    output::output(&mut check, &spec.output);
+    let dimension = grid.dimension();
+    output::output(&mut check, &spec.output, dimension);
     let (run, label) = (String::new(), String::new());
     let (output, warnings) = (spec.output.clone(), Vec::new());
     let mut scene = Scene { run, label, grid, sides, model, numerics, schedule, output, warnings };
@@ -116,6 +123,11 @@ impl<'a> Checker<'a> {
         let (node, taken) = self.merged.tree.follow(&steps);
         let span = if taken == steps.0.len() { node.span.clone() } else { node.span.start..node.span.start + 1 };
         self.merged.error(span, detail.at(path))
+    }
+
+    /// The folder of the scene's file, in which other files are looked for.
+    pub(crate) fn folder(&self) -> PathBuf {
+        self.merged.folder()
     }
 
     /// Reports a problem unless something holds, which is returned.

@@ -1,9 +1,9 @@
 //! `model`: numbers in range, shapes that hit the domain, a medium of the right dimension.
 
-use super::{Checker, law, out_of_range};
+use super::{Checker, law, mask, out_of_range};
 use crate::error::{Detail, number};
 use crate::scene::{Diffusion, Grid, Law, Model, Scene, SingleField};
-use crate::spec::{Axis, AxisSides, Flow, Medium, ModelSpec, Shape, Wall};
+use crate::spec::{Axis, AxisSides, Flow, Medium, ModelSpec, Shape, SourceSpec, Wall};
 
 /// The most deposits, sources or obstacles of a scene.
 const MAX_SHAPES: usize = 10_000;
@@ -11,7 +11,7 @@ const MAX_SHAPES: usize = 10_000;
 /// Checks the model and resolves its law.
 pub(super) fn model(check: &mut Checker<'_>, spec: &ModelSpec, grid: &Grid) -> Model {
     match spec {
-        ModelSpec::Diffusion { law, medium, initial, sources, obstacles } => {
+        ModelSpec::Diffusion { law, medium, initial, sources, obstacles, mask } => {
             check_medium(check, medium, grid);
             let law = law::law(check, law, medium);
             for (key, count) in [("initial", initial.len()), ("sources", sources.len()), ("obstacles", obstacles.len())]
@@ -26,6 +26,7 @@ pub(super) fn model(check: &mut Checker<'_>, spec: &ModelSpec, grid: &Grid) -> M
             for (i, source) in sources.iter().take(MAX_SHAPES).enumerate() {
                 let path = format!("model.sources[{i}]");
                 shape(check, &format!("{path}.shape"), &source.shape, grid);
+                emission(check, &path, source);
                 check.not_negative(&format!("{path}.from"), source.from);
                 let until = source.until.unwrap_or(f64::INFINITY);
                 check.require(until > source.from, &format!("{path}.until"), || {
@@ -41,12 +42,16 @@ pub(super) fn model(check: &mut Checker<'_>, spec: &ModelSpec, grid: &Grid) -> M
                     shape(check, &path, obstacle, grid);
                 }
             }
+            let folder = check.folder();
+            let mask = mask.as_ref().and_then(|spec| mask::mask(check, spec, grid, &folder));
             Model::Diffusion(Diffusion {
                 law,
                 medium: medium.clone(),
+                fluid: None,
                 initial: initial.clone(),
                 sources: sources.clone(),
                 obstacles: obstacles.clone(),
+                mask,
             })
         }
         ModelSpec::SingleField { form, k, tau, velocity, pulse } => {
@@ -73,7 +78,11 @@ pub(super) fn fits_f32(check: &mut Checker<'_>, model: &Model) {
         check.fits_f32(&format!("model.initial[{i}].value"), deposit.value);
     }
     for (i, source) in model.sources.iter().enumerate() {
-        check.fits_f32(&format!("model.sources[{i}].rate"), source.rate);
+        for (key, number) in [("rate", source.rate), ("value", source.value)] {
+            if let Some(number) = number {
+                check.fits_f32(&format!("model.sources[{i}].{key}"), number);
+            }
+        }
     }
 }
 
@@ -91,8 +100,34 @@ pub(super) fn empty(check: &mut Checker<'_>, scene: &Scene) {
         AxisSides::Walls { low, high } => wall(low) || wall(high),
     });
     let starts = model.initial.iter().any(|deposit| deposit.value != 0.0);
-    if !(walls || starts || model.sources.iter().any(|source| source.rate != 0.0)) {
+    if !(walls || starts || model.sources.iter().any(emits)) {
         check.warn("model", Detail::new("no initial value, source or wall puts anything into the box: phi stays zero"));
+    }
+}
+
+fn emits(source: &SourceSpec) -> bool {
+    source.rate.or(source.value).is_some_and(|number| number != 0.0)
+}
+
+/// A source adds or holds.
+fn emission(check: &mut Checker<'_>, path: &str, source: &SourceSpec) {
+    match (source.rate, source.value) {
+        (Some(_), None) => {}
+        (None, Some(_)) => {
+            let sharp = !matches!(source.shape, Shape::Gaussian { .. } | Shape::Cosine { .. });
+            check.require(sharp, &format!("{path}.shape"), || {
+                Detail::new("this shape has no inside in which phi could be held")
+                    .expected("`Box`, `Ball`, `Below`, `Above` or `Everywhere`")
+            });
+        }
+        (Some(_), Some(_)) => {
+            let detail = Detail::new("a source either adds at a rate or holds a value");
+            check.fail(&format!("{path}.value"), detail.advice("remove one of the two, or set it to None"));
+        }
+        (None, None) => {
+            let detail = Detail::new("the key `rate` is missing").expected("rate: … [P/s], or value: … [P]");
+            check.fail(path, detail);
+        }
     }
 }
 
@@ -104,10 +139,12 @@ fn check_medium(check: &mut Checker<'_>, medium: &Medium, grid: &Grid) {
         Medium::Analytic(Flow::Deformation { period }) => {
             check.positive("model.medium", *period);
         }
+        // When the walls are known.
+        Medium::Solved { .. } => {}
     }
 }
 
-fn axes(check: &mut Checker<'_>, path: &str, found: usize, grid: &Grid) {
+pub(super) fn axes(check: &mut Checker<'_>, path: &str, found: usize, grid: &Grid) {
     let dimension = grid.dimension();
     check.require(found == dimension, path, || {
         Detail::new(format!("the grid has {dimension} axes"))
@@ -120,7 +157,7 @@ fn domain(grid: &Grid, axis: usize) -> (f64, f64) {
     (grid.origin[axis], grid.origin[axis] + grid.extent[axis])
 }
 
-fn shape(check: &mut Checker<'_>, path: &str, shape: &Shape, grid: &Grid) {
+pub(super) fn shape(check: &mut Checker<'_>, path: &str, shape: &Shape, grid: &Grid) {
     let before = check.problems.len();
     match shape {
         Shape::Everywhere => {}

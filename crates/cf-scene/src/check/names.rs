@@ -63,13 +63,17 @@ fn runs_of(statement: &Statement) -> Vec<(String, &str)> {
         Statement::ConeAngle { run, .. }
         | Statement::NoUpstreamTail { run, .. }
         | Statement::Within { run, .. }
+        | Statement::Front { run, .. }
         | Statement::Speed { run, .. } => vec![("run".to_owned(), run)],
         Statement::Monotone { runs, .. } => named(runs).collect(),
         Statement::EqualBits { runs: (a, b) } => vec![("runs[0]".to_owned(), a), ("runs[1]".to_owned(), b)],
         Statement::Order { runs, reference, .. } => {
             named(runs).chain([("reference".to_owned(), reference.as_str())]).collect()
         }
-        Statement::MassBudget { .. } => Vec::new(),
+        Statement::MassBudget { .. }
+        | Statement::Divergence { .. }
+        | Statement::Iterations { .. }
+        | Statement::FlowIterations { .. } => Vec::new(),
     }
 }
 
@@ -139,6 +143,12 @@ fn file_name(check: &mut Checker<'_>, path: &str, name: &str) {
 pub(super) fn source_of(quantity: &Quantity) -> Option<usize> {
     match quantity {
         Quantity::UpstreamLeak { source, .. } | Quantity::OutsideCone { source } => Some(*source),
-        Quantity::Mass | Quantity::Maximum | Quantity::Minimum | Quantity::RadiusOfGyration => None,
+        Quantity::Mass
+        | Quantity::Maximum
+        | Quantity::Minimum
+        | Quantity::RadiusOfGyration
+        | Quantity::RadiusAbout(_)
+        | Quantity::Centre(_)
+        | Quantity::EnergyPerWork => None,
     }
 }

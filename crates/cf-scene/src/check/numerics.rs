@@ -2,8 +2,10 @@
 
 use super::{Checker, out_of_range};
 use crate::error::{Detail, number};
-use crate::scene::{Grid, Model, Numerics, TimeStep};
-use crate::spec::{AccuracySpec, Advection, Integrator, Level, Medium, Precision, Solver, Splitting, StepRule};
+use crate::scene::{Diffusion, Grid, Model, Numerics, TimeStep};
+use crate::spec::{
+    AccuracySpec, Advection, FlowScheme, Integrator, Level, Medium, Precision, Solver, Splitting, StepRule,
+};
 use crate::target;
 use cf_diffusion::Front;
 
@@ -18,6 +20,8 @@ fn chosen(level: Level) -> Numerics {
         tolerance: 1e-5,
         precision: Precision::F32,
         solver: Solver::Auto,
+        flow: FlowScheme::Auto,
+        eta_div: 1e-4,
     };
     match level {
         Level::Draft => Numerics {
@@ -26,6 +30,8 @@ fn chosen(level: Level) -> Numerics {
             splitting: Splitting::Lie,
             step: TimeStep::Bounded(1.0),
             tolerance: 1e-3,
+            flow: FlowScheme::Draft,
+            eta_div: 1e-2,
             ..standard
         },
         Level::Standard => standard,
@@ -36,8 +42,25 @@ fn chosen(level: Level) -> Numerics {
             ..standard
         },
         Level::Accurate => {
-            Numerics { step: TimeStep::Bounded(0.25), tolerance: 1e-8, precision: Precision::Mixed, ..standard }
+            let step = TimeStep::Bounded(0.25);
+            Numerics { step, tolerance: 1e-8, precision: Precision::Mixed, eta_div: 1e-7, ..standard }
         }
+    }
+}
+
+/// Cells that a solved fluid moves in a step, unless the scene says.
+const FLOW_CFL: f64 = 0.8;
+
+/// What a fluid that is solved for does not go with, and the range of its tolerance.
+fn suits_a_fluid(check: &mut Checker<'_>, spec: &AccuracySpec, level: Level) {
+    let fluid = "where a fluid is solved for, its own speed decides how long steps are";
+    let how = "accuracy.cfl, in cells that the fluid moves, or accuracy.dt";
+    check.require(!matches!(level, Level::Target(_)), "accuracy.level", || {
+        Detail::new(format!("{fluid}, so Target cannot")).expected("Draft, Standard or Accurate").advice(how)
+    });
+    check.require(spec.step.is_none(), "accuracy.step", || Detail::new(fluid).expected(how));
+    if let Some(eta) = spec.eta_div {
+        check.require(eta > 0.0 && eta < 1.0, "accuracy.eta_div", || out_of_range("above 0 and below 1", eta));
     }
 }
 
@@ -88,11 +111,16 @@ pub(super) fn numerics(
                 .found(format!("{:?}", spec.integrator.unwrap_or(Integrator::Sdirk2)))
         });
     }
+    let solved = matches!(model, Model::Diffusion(Diffusion { medium: Medium::Solved { .. }, .. }));
+    if solved {
+        suits_a_fluid(check, spec, level);
+    }
     let mut base = chosen(level);
     // A pulse that is solved exactly is solved in double precision.
     let exact = matches!(model, Model::SingleField(_));
     let step = match (spec.dt, spec.cfl, spec.step) {
         (Some(dt), ..) => TimeStep::Fixed(dt),
+        (None, cfl, _) if solved => TimeStep::Courant(cfl.unwrap_or(FLOW_CFL)),
         (None, Some(cfl), _) => TimeStep::Cfl(cfl),
         (None, None, Some(StepRule::Adaptive { tolerance })) => {
             base.integrator = Some(Integrator::Sdirk2);
@@ -111,6 +139,8 @@ pub(super) fn numerics(
         tolerance: spec.tolerance.unwrap_or(base.tolerance),
         precision: if exact { Precision::F64 } else { spec.precision.unwrap_or(base.precision) },
         solver: spec.solver.unwrap_or(base.solver),
+        flow: spec.flow.unwrap_or(base.flow),
+        eta_div: spec.eta_div.unwrap_or(base.eta_div),
     };
     let smallest = if numerics.precision == Precision::F32 { 1e-7 } else { 1e-15 };
     check.require((smallest..1.0).contains(&numerics.tolerance), "accuracy.tolerance", || {

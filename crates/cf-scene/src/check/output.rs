@@ -5,7 +5,7 @@ use crate::error::{Detail, number};
 use crate::spec::{Output, Pictures};
 
 /// Checks what is to be written.
-pub(super) fn output(check: &mut Checker<'_>, spec: &Output) {
+pub(super) fn output(check: &mut Checker<'_>, spec: &Output, dimension: usize) {
     match spec.pictures {
         Pictures::Off | Pictures::Auto => {}
         Pictures::Linear { low, high } => ordered(check, low, high),
@@ -13,6 +13,18 @@ pub(super) fn output(check: &mut Checker<'_>, spec: &Output) {
             check.positive("output.pictures.low", low);
             ordered(check, low, high);
         }
+    }
+    if let Some(volume) = &spec.volume {
+        check.require(dimension == 3, "output.volume", || {
+            Detail::new("a cloud needs three dimensions").found(format!("a grid of {dimension}")).advice("remove it")
+        });
+        check.require(volume.low < volume.high, "output.volume.high", || {
+            out_of_range(&format!("above low, which is {}", number(volume.low)), volume.high)
+        });
+        let (_, above) = volume.eye.unwrap_or_default();
+        check.require((-90.0..=90.0).contains(&above), "output.volume.eye", || {
+            out_of_range("(around, above) with above from -90 to 90 degrees", above)
+        });
     }
     for (i, field) in spec.fields.iter().enumerate() {
         let first = !spec.fields.iter().take(i).any(|earlier| earlier == field);

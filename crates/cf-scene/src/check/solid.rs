@@ -9,12 +9,13 @@ use crate::spec::Shape;
 /// Checks what obstacles leave. Visits cells, so the scene must fit into memory.
 pub(super) fn fluid(check: &mut Checker<'_>, scene: &Scene) {
     let Model::Diffusion(model) = &scene.model else { return };
-    if model.obstacles.is_empty() {
+    let solid = Solid::of(scene);
+    if solid.is_empty() {
         return;
     }
-    let solid = Solid::of(scene);
     let anywhere = |_| (f64::NEG_INFINITY, f64::INFINITY);
-    if !check.require(solid.any_fluid(anywhere, |_| true), "model.obstacles", || {
+    let place = if model.obstacles.is_empty() { "model.mask" } else { "model.obstacles" };
+    if !check.require(solid.any_fluid(anywhere, |_| true), place, || {
         Detail::new("the obstacles fill every cell: there is nothing left to simulate")
     }) {
         return;

@@ -17,6 +17,7 @@ pub(super) fn time(check: &mut Checker<'_>, scene: &Scene, pace: &Pace) {
     let path = match scene.numerics.step {
         TimeStep::Fixed(_) => "accuracy.dt",
         TimeStep::Cfl(_) => "accuracy.cfl",
+        TimeStep::Courant(_) => "model.medium",
         TimeStep::Bounded(_) | TimeStep::Shift(_) | TimeStep::Adaptive(_) => "run.until",
     };
     let moves = scene.medium_speed() > 0.0 || model.law.speed().is_some_and(|c| c > 0.0);
@@ -43,7 +44,7 @@ pub(super) fn time(check: &mut Checker<'_>, scene: &Scene, pace: &Pace) {
         return;
     }
     let (interval, until) = (scene.schedule.interval, scene.schedule.until);
-    if path != "run.until" && until > 0.0 && pace.dt > interval * (1.0 + 1e-6) {
+    if path.starts_with("accuracy") && until > 0.0 && pace.dt > interval * (1.0 + 1e-6) {
         let detail = Detail::new(format!("frames every {} s cut the steps of {} s", number(interval), number(pace.dt)));
         check.warn(path, detail.advice("ask for fewer frames or for a shorter step"));
     }

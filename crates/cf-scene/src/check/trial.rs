@@ -18,6 +18,8 @@ pub(super) fn trial(check: &mut Checker<'_>, scene: &Scene, pace: &Pace) {
     small.grid.extent = small.grid.cells.iter().map(|n| *n as f64 * scene.grid.spacing).collect();
     if let Model::Diffusion(model) = &mut small.model {
         (model.initial, model.sources, model.obstacles) = (Vec::new(), Vec::new(), Vec::new());
+        model.mask = None;
+        model.fluid.iter_mut().for_each(|fluid| fluid.jets.clear());
     }
     if let Err(error) = build(&small, pace) {
         check.fail(path(&error), Detail::new(error.to_string()));
@@ -30,6 +32,7 @@ fn path(error: &BuildError) -> &'static str {
         BuildError::Law(_) => "model.law",
         BuildError::Medium(_) | BuildError::Front(FrontError::Medium(_)) => "model.medium",
         BuildError::Front(FrontError::Wall { .. }) | BuildError::Step(StepError::Wall { .. }) => "sides",
+        BuildError::Flow(_) => "model.medium",
         BuildError::Step(StepError::Tolerance(_)) => "accuracy.tolerance",
         BuildError::Front(_) | BuildError::Step(_) => "accuracy.integrator",
     }

@@ -7,10 +7,10 @@ mod sample;
 
 pub(crate) use reach::Upstream;
 
-use crate::run::{Evidence, Needs};
+use crate::run::{Evidence, Front, Needs};
 use crate::scene::Scene;
-use crate::spec::{Claim, ClaimSource, Direction, Front, Kind, Quantity, Statement};
-use crate::summary::{ClaimResult, RunSummary};
+use crate::spec::{Claim, ClaimSource, Direction, Kind, Quantity, Statement};
+use crate::summary::{ClaimResult, FlowSummary, RunSummary};
 use sample::Sample;
 
 /// A run with what it left.
@@ -32,7 +32,15 @@ pub(crate) fn needs(run: &str, claims: &[Claim]) -> Needs {
             Statement::Order { runs, reference, .. } => {
                 needs.phi |= reference == run || runs.iter().any(|name| name == run);
             }
-            Statement::MassBudget { .. } => {}
+            Statement::MassBudget { .. }
+            | Statement::Divergence { .. }
+            | Statement::Iterations { .. }
+            | Statement::FlowIterations { .. } => {}
+            Statement::Front { run: name, fraction, .. } if name == run => {
+                // The smallest share reaches furthest: what holds for it holds for all.
+                needs.front = Some(needs.front.map_or(*fraction, |other: f64| other.min(*fraction)));
+            }
+            Statement::Front { .. } => {}
             Statement::Speed { run: name, .. } => {
                 let named = name == run;
                 (needs.phi, needs.half) = (needs.phi | named, needs.half | named);
@@ -112,8 +120,24 @@ fn expectation(statement: &Statement) -> Finding {
         Statement::MassBudget { tolerance } => {
             (format!("nothing missing beyond {tolerance:e} of the sum of |phi|"), Some(*tolerance))
         }
+        Statement::Divergence { most } => {
+            (format!("max|div u| dt at most {most:e} after every projection of every run"), Some(*most))
+        }
+        Statement::Iterations { most } => {
+            (format!("at most {most} iterations a solve in every step of every run"), Some(*most as f64))
+        }
+        Statement::FlowIterations { most } => {
+            (format!("at most {most} iterations a projection in every step of every run"), Some(*most as f64))
+        }
+        Statement::Front { run, fraction, cells } => (
+            format!(
+                "in {run}, |phi| above {fraction:e} of its maximum never further from its sources than \
+                 ∫ max|u| dt + c t and {cells} cells"
+            ),
+            None,
+        ),
         Statement::Speed { expected, tolerance, front, .. } => {
-            let front = if *front == Front::Fore { "fore" } else { "aft" };
+            let front = if *front == crate::spec::Front::Fore { "fore" } else { "aft" };
             (format!("the {front} pulse at {expected} m/s within {tolerance}"), Some(*tolerance))
         }
     };
@@ -126,6 +150,9 @@ fn words(quantity: &Quantity) -> String {
         Quantity::Maximum => "largest phi [P]".into(),
         Quantity::Minimum => "smallest phi [P]".into(),
         Quantity::RadiusOfGyration => "radius of gyration [m]".into(),
+        Quantity::RadiusAbout(axis) => format!("radius about {} [m]", ["x", "y", "z"][axis.index()]),
+        Quantity::Centre(axis) => format!("mean {} of phi [m]", ["x", "y", "z"][axis.index()]),
+        Quantity::EnergyPerWork => "kinetic energy per work of buoyancy and force".into(),
         Quantity::UpstreamLeak { cells, .. } => format!("share of |phi| further than {cells} cells upstream"),
         Quantity::OutsideCone { .. } => "share of |phi| out of reach of the source's signals".into(),
     }
@@ -200,6 +227,46 @@ fn statement(statement: &Statement, runs: &[Run<'_>]) -> Result<Finding, String>
             finding.measured = format!("{:.2e} at most, in {}", worst.0, worst.1);
             finding.value = Some(worst.0);
         }
+        Statement::Divergence { most } => {
+            let (divergence, run) = worst(runs, |flow| flow.divergence)?;
+            finding.pass = divergence <= *most;
+            finding.measured = format!("{divergence:.2e} at most, in {run}");
+            finding.value = Some(divergence);
+        }
+        Statement::Iterations { most } => {
+            let solving = runs.iter().filter(|(_, summary, _)| summary.iterations.solves > 0);
+            let most_of = |run: &&Run<'_>| run.1.iterations.max;
+            let worst = solving.max_by_key(most_of).ok_or("no run solves a system")?;
+            let iterations = worst.1.iterations.max;
+            finding.pass = iterations <= *most;
+            finding.measured = format!("{iterations} at most, in {}", worst.1.name);
+            finding.value = Some(iterations as f64);
+        }
+        Statement::FlowIterations { most } => {
+            let (iterations, run) = worst(runs, |flow| flow.projections.max as f64)?;
+            finding.pass = iterations <= *most as f64;
+            finding.measured = format!("{iterations} at most, in {run}");
+            finding.value = Some(iterations);
+        }
+        Statement::Front { run, fraction, cells } => {
+            let run = find(runs, run)?;
+            let c = crate::check::front_speed(run.0).ok_or("signals have no speed")?;
+            let slack = *cells as f64 * run.0.grid.spacing;
+            let fronts = run.2.fronts.iter().filter(|front| front.fraction <= *fraction && front.time > 0.0);
+            let allowed = |front: &Front| front.carried + c * front.time;
+            let nearest = fronts.max_by(|a, b| (a.reach - allowed(a)).total_cmp(&(b.reach - allowed(b))));
+            let nearest = nearest.ok_or("no frame was measured")?;
+            finding.pass = nearest.reach <= allowed(nearest) + slack;
+            finding.measured = format!(
+                "{:.4} m of {:.4} m at t = {:.3} s, the nearest it came: {:.4} m/s of {:.4} m/s",
+                nearest.reach,
+                allowed(nearest),
+                nearest.time,
+                nearest.reach / nearest.time,
+                allowed(nearest) / nearest.time
+            );
+            finding.value = Some(nearest.reach / nearest.time);
+        }
         Statement::Speed { run, front, expected, tolerance } => {
             let run = find(runs, run)?;
             let half = run.2.half.as_deref().ok_or("there is no phi at half time")?;
@@ -207,7 +274,9 @@ fn statement(statement: &Statement, runs: &[Run<'_>]) -> Result<Finding, String>
             let place = |phi: &[f64]| {
                 let x: Vec<f64> = (0..phi.len()).map(|i| end.centre(0, i)).collect();
                 let fronts = cf_diffusion::exact::single_field::measured_fronts(&x, phi);
-                fronts.map(|[aft, fore]| if *front == Front::Fore { fore } else { aft }).ok_or("phi has no maximum")
+                fronts
+                    .map(|[aft, fore]| if *front == crate::spec::Front::Fore { fore } else { aft })
+                    .ok_or("phi has no maximum")
             };
             let speed = (place(&end.phi)? - place(half)?) / (run.2.time - 0.5 * run.0.schedule.until);
             if !speed.is_finite() {
@@ -223,6 +292,13 @@ fn statement(statement: &Statement, runs: &[Run<'_>]) -> Result<Finding, String>
 
 fn number(value: f64) -> String {
     if value != 0.0 && !(1e-3..1e5).contains(&value.abs()) { format!("{value:.3e}") } else { format!("{value:.5}") }
+}
+
+/// The largest of a number over the runs that solve for a fluid, with the run.
+fn worst<'r>(runs: &'r [Run<'_>], number: impl Fn(&FlowSummary) -> f64) -> Result<(f64, &'r str), String> {
+    let all = runs.iter().filter_map(|(_, summary, _)| Some((number(summary.flow.as_ref()?), summary.name.as_str())));
+    // NaN is the largest of all.
+    all.max_by(|a, b| a.0.total_cmp(&b.0)).ok_or_else(|| "no run solves for a fluid".to_owned())
 }
 
 fn find<'r, 'a>(runs: &'r [Run<'a>], name: &str) -> Result<&'r Run<'a>, String> {
@@ -242,6 +318,17 @@ fn measure(quantity: Quantity, run: &Run<'_>) -> Result<f64, String> {
         Quantity::Mass => Ok(run.1.mass.end),
         Quantity::Maximum => Ok(sample.phi.iter().copied().fold(f64::NEG_INFINITY, f64::max)),
         Quantity::Minimum => Ok(sample.phi.iter().copied().fold(f64::INFINITY, f64::min)),
+        Quantity::Centre(axis) => {
+            let centre = sample.centre_of_mass().ok_or_else(|| "phi is zero everywhere".to_owned())?;
+            Ok(centre[axis.index()])
+        }
+        Quantity::EnergyPerWork => {
+            let flow = run.1.flow.as_ref().ok_or("no fluid is solved for")?;
+            if flow.work == 0.0 { Err("no work was done".into()) } else { Ok(flow.energy / flow.work) }
+        }
+        Quantity::RadiusAbout(axis) => {
+            sample.radius_about(Some(axis.index())).ok_or_else(|| "phi is zero everywhere".to_owned())
+        }
         Quantity::RadiusOfGyration => sample.radius_of_gyration().ok_or_else(|| "phi is zero everywhere".to_owned()),
         Quantity::UpstreamLeak { source, cells } => {
             share(reach::upstream(&sample, run.0, source, cells)?.iter().map(|value| value.abs()).sum())

@@ -62,7 +62,7 @@ impl Upstream {
         let first = |(axis, u): (usize, &f64)| if *u >= 0.0 { 0 } else { scene.grid.cells[axis] - 1 };
         let corner: Vec<f64> = self.flow.iter().enumerate().map(|at| solid.centre(at.0, first(at))).collect();
         self.holds(&corner)
-            && (solid.obstacles.is_empty()
+            && (solid.is_empty()
                 || solid.any_fluid(|_| (f64::NEG_INFINITY, f64::INFINITY), |centre| self.holds(centre)))
     }
 }

@@ -64,16 +64,29 @@ impl Sample {
         Some(sum)
     }
 
+    /// The mean of a function of the place, weighted by |phi|; `None` where there is nothing.
+    fn mean(&self, f: impl Fn([f64; 3]) -> f64) -> Option<f64> {
+        let total: f64 = self.phi.iter().map(|value| value.abs()).sum();
+        let sum: f64 = self.phi.iter().enumerate().map(|(i, value)| value.abs() * f(self.centre_of(i))).sum();
+        (total > 0.0).then(|| sum / total)
+    }
+
+    /// The centre of |phi|; `None` where there is nothing.
+    pub fn centre_of_mass(&self) -> Option<[f64; 3]> {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.mean(|x| x[axis]));
+        Some([x?, y?, z?])
+    }
+
     /// Root mean square distance of |phi| from its centre; `None` where there is nothing.
     pub fn radius_of_gyration(&self) -> Option<f64> {
-        let total: f64 = self.phi.iter().map(|value| value.abs()).sum();
-        let mean = |f: &dyn Fn([f64; 3]) -> f64| {
-            let sum: f64 = self.phi.iter().enumerate().map(|(i, value)| value.abs() * f(self.centre_of(i))).sum();
-            sum / total
-        };
-        let centre = [0, 1, 2].map(|axis| mean(&|x| x[axis]));
-        let square = mean(&|x| (0..3).map(|axis| (x[axis] - centre[axis]).powi(2)).sum());
-        (total > 0.0).then(|| square.sqrt())
+        self.radius_about(None)
+    }
+
+    /// The same, without the distance along an axis.
+    pub fn radius_about(&self, axis: Option<usize>) -> Option<f64> {
+        let centre = self.centre_of_mass()?;
+        let across = |x: [f64; 3]| (0..3).filter(|a| Some(*a) != axis).map(|a| (x[a] - centre[a]).powi(2)).sum();
+        self.mean(across).map(f64::sqrt)
     }
 }
 
@@ -95,6 +108,7 @@ mod tests {
     fn a_square_has_its_radius() {
         let sample = Sample { cells: vec![64, 64], origin: vec![0.0, 0.0], h: 1.0 / 64.0, phi: vec![-2.0; 4096] };
         assert!((sample.radius_of_gyration().unwrap() - (1.0f64 / 6.0).sqrt()).abs() < 1e-3);
+        assert!((sample.radius_about(Some(0)).unwrap() - (1.0f64 / 12.0).sqrt()).abs() < 1e-3);
         let empty = Sample { phi: vec![0.0; 4096], ..sample };
         assert_eq!(empty.radius_of_gyration(), None);
     }

@@ -12,9 +12,11 @@ pub(super) struct Chosen<'a> {
     pub(super) animation: Option<&'a str>,
 }
 
-/// Picks by name: `<run>_NNNN.png`, `<run>_animation.png`.
+/// Picks by name: `<run>_NNNN.png`, `<run>_animation.png`; of a run in space `<run>_cloud_…`, if there are such.
 pub(super) fn chosen(files: &[String]) -> Chosen<'_> {
-    let pictures = || files.iter().map(String::as_str).filter(|file| file.ends_with(".png"));
+    let clouds = files.iter().any(|file| file.ends_with("_cloud_animation.png"));
+    let wanted = move |file: &&str| file.ends_with(".png") && file.contains("_cloud_") == clouds;
+    let pictures = || files.iter().map(String::as_str).filter(wanted);
     let frames = pictures().filter_map(|file| Some((frame(file)?, file)));
     Chosen {
         last: frames.max_by_key(|(number, _)| *number).map(|(_, file)| file),
@@ -22,9 +24,9 @@ pub(super) fn chosen(files: &[String]) -> Chosen<'_> {
     }
 }
 
-/// The first picture of a list of files.
-pub(super) fn first_picture(files: &[String]) -> Option<&str> {
-    files.iter().map(String::as_str).find(|file| file.ends_with(".png"))
+/// The pictures of a list of files.
+pub(super) fn pictures_of(files: &[String]) -> impl Iterator<Item = &str> {
+    files.iter().map(String::as_str).filter(|file| file.ends_with(".png"))
 }
 
 fn frame(file: &str) -> Option<u64> {
@@ -95,6 +97,13 @@ mod tests {
     fn the_last_frame_is_the_one_of_the_largest_number() {
         let files = ["a_0009.png", "a_0010.png", "a_animation.png", "a.csv"].map(String::from);
         let expected = Chosen { last: Some("a_0010.png"), animation: Some("a_animation.png") };
+        assert_eq!(chosen(&files), expected);
+    }
+
+    #[test]
+    fn clouds_come_first() {
+        let files = ["a_0010.png", "a_animation.png", "a_cloud_0010.png", "a_cloud_animation.png"].map(String::from);
+        let expected = Chosen { last: Some("a_cloud_0010.png"), animation: Some("a_cloud_animation.png") };
         assert_eq!(chosen(&files), expected);
     }
 

@@ -1,7 +1,7 @@
 //! The runs: a table of all, and everything about each.
 
 use super::markup::{bytes, escape, link, number, seconds};
-use crate::summary::RunSummary;
+use crate::summary::{FlowSummary, RunSummary};
 use std::fmt::Write;
 
 /// Side by side, what compares.
@@ -11,7 +11,7 @@ pub(super) fn table(page: &mut String, runs: &[RunSummary]) {
     }
     page.push_str(
         "<section>\n<h2>Runs</h2>\n<div class=\"wide\"><table class=\"numbers\">\n<thead><tr><th>Run</th><th>Cells</th>\
-         <th>Steps</th><th>Iterations</th><th>Time</th><th>Per step</th><th>Mass drift</th></tr></thead>\n<tbody>\n",
+         <th>Steps</th><th>Iterations</th><th>Projection</th><th>Time</th><th>Per step</th><th>Mass drift</th></tr></thead>\n<tbody>\n",
     );
     for run in runs {
         let iterations = if run.iterations.solves == 0 {
@@ -19,9 +19,12 @@ pub(super) fn table(page: &mut String, runs: &[RunSummary]) {
         } else {
             format!("{} (max {})", number(run.iterations.mean), run.iterations.max)
         };
+        let projections = run.flow.as_ref().map_or("–".to_owned(), |flow| {
+            format!("{} (max {})", number(flow.projections.mean), flow.projections.max)
+        });
         let _ = writeln!(
             page,
-            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{iterations}</td><td>{}</td><td>{}</td><td>{:.1e}</td></tr>",
+            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{iterations}</td><td>{projections}</td><td>{}</td><td>{}</td><td>{:.1e}</td></tr>",
             escape(&run.label),
             cells(run),
             run.steps,
@@ -82,6 +85,9 @@ fn plan(page: &mut String, run: &RunSummary) {
         ("peak memory", bytes(run.peak_memory)),
     ];
     let mut rows = rows.to_vec();
+    if let Some(flow) = &run.flow {
+        rows.extend(fluid(flow));
+    }
     if run.rejections > 0 {
         rows.push(("steps made again", run.rejections.to_string()));
     }
@@ -93,6 +99,26 @@ fn plan(page: &mut String, run: &RunSummary) {
         let _ = writeln!(page, "<dt>{name}</dt><dd>{value}</dd>");
     }
     page.push_str("</dl>\n");
+}
+
+/// What a solved fluid did.
+fn fluid(flow: &FlowSummary) -> Vec<(&'static str, String)> {
+    let p = &flow.projections;
+    let mut rows = vec![
+        ("flow", escape(&flow.scheme)),
+        ("pressure", format!("{}: {}", escape(&flow.solver), escape(&flow.solver_reason))),
+        ("projections", format!("{}, {} iterations each (at most {})", p.solves, number(p.mean), p.max)),
+        ("max|div u| dt", format!("{:.1e} of {:.0e} allowed", flow.divergence, flow.eta_div)),
+        ("largest |u|", format!("{} m/s, max|u| dt/h = {}", number(flow.speed), number(flow.courant))),
+        ("kinetic energy", format!("{} at the end; work of forces {}", number(flow.energy), number(flow.work))),
+    ];
+    if let Some(hc) = flow.hc {
+        let share = 100.0 * hc.above_one;
+        let words =
+            format!("mean {}, at most {}, above 1 in {share:.1} % of the cells", number(hc.mean), number(hc.max));
+        rows.push(("H_c over the cells", words));
+    }
+    rows
 }
 
 fn phases(page: &mut String, run: &RunSummary) {

@@ -16,7 +16,7 @@ pub struct AccuracySpec {
     pub splitting: Option<Splitting>,
     /// A fixed time step \[s\].
     pub dt: Option<f64>,
-    /// The time step as a multiple of h/(|u| + c).
+    /// The time step as a multiple of h/(|u| + c), or where a fluid is solved for, of h/max|u| as it is at each step.
     pub cfl: Option<f64>,
     /// How the time step is found, instead of `dt` and `cfl`.
     pub step: Option<StepRule>,
@@ -27,6 +27,10 @@ pub struct AccuracySpec {
     pub precision: Option<Precision>,
     /// How linear systems are solved.
     pub solver: Option<Solver>,
+    /// How a solved fluid is stepped.
+    pub flow: Option<FlowScheme>,
+    /// What a solved fluid may gain or lose of its volume in a step: every projection ends with max|div u| dt at most this.
+    pub eta_div: Option<f64>,
 }
 
 /// Documented sets of knobs.
@@ -99,6 +103,21 @@ pub enum Precision {
     Mixed,
     /// Double.
     F64,
+}
+
+/// How a solved fluid is stepped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub enum FlowScheme {
+    /// `Cnp` in steps of up to one cell, `ReflectionExtrapolated` in longer ones.
+    Auto,
+    /// Second order with one projection, half of the pressure gradient carried along.
+    Cnp,
+    /// Second order with two projections, for long steps.
+    ReflectionExtrapolated,
+    /// The paper's: advection, then a projection; first order.
+    Draft,
+    /// Central differences that keep the energy, and RK4 with four projections.
+    CentralRk4,
 }
 
 /// How linear systems are solved.

@@ -1,6 +1,6 @@
 //! `claims`: what must come out, as statements that a program can check.
 
-use super::Axes;
+use super::{Axes, Axis};
 use serde::Deserialize;
 
 /// One checkable statement about the runs of a scene.
@@ -121,6 +121,31 @@ pub enum Statement {
         /// Relative to the sum of |phi|.
         tolerance: f64,
     },
+    /// In every run that solves for a fluid, and after every projection: max|div u| dt is at most this.
+    Divergence {
+        /// The bound.
+        most: f64,
+    },
+    /// In every run: no step takes more iterations a solve of its diffusion.
+    Iterations {
+        /// The bound.
+        most: usize,
+    },
+    /// In every run that solves for a fluid: no step takes more iterations a projection.
+    FlowIterations {
+        /// The bound.
+        most: usize,
+    },
+    /// At every frame, what is above a share of the largest |phi| lies no further from where it was put in than
+    /// ∫ max|u| dt + c t, and some cells. For laws whose signals have a speed.
+    Front {
+        /// The run.
+        run: String,
+        /// Of the largest |phi|.
+        fraction: f64,
+        /// How much further \[cells\].
+        cells: usize,
+    },
     /// A pulse travels at a speed: from the places, at half time and at the end, of its outermost local maximum above
     /// a twentieth of the largest.
     Speed {
@@ -147,6 +172,13 @@ pub enum Quantity {
     Minimum,
     /// \[m\].
     RadiusOfGyration,
+    /// The same across an axis: root mean square distance from the line through the centre along it \[m\].
+    RadiusAbout(Axis),
+    /// Mean of a coordinate, weighted by |phi| \[m\].
+    Centre(Axis),
+    /// Kinetic energy of a solved fluid, as a share of the work that buoyancy and force have done. At most 1 where nothing
+    /// else drives it.
+    EnergyPerWork,
     /// Share of the sum of |phi| further upstream than some cells from the edge of a source.
     UpstreamLeak {
         /// Which of the model's sources.

@@ -1,13 +1,14 @@
 //! `model`: the physics. One variant per kind of model.
 
-use super::{Axes, Shape};
+use super::{Axes, BuoyancySpec, FlowSides, JetSpec, Shape};
 use serde::Deserialize;
 
 /// The kinds of models.
+#[allow(clippy::large_enum_variant)] // A scene has one of them.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename = "model", deny_unknown_fields)]
 pub enum ModelSpec {
-    /// Cattaneo-Fourier diffusion of one quantity `phi` in a prescribed medium.
+    /// Cattaneo-Fourier diffusion of one quantity `phi` in a medium that is given, or a fluid that is solved for.
     Diffusion {
         /// How `phi` spreads.
         law: LawSpec,
@@ -23,6 +24,8 @@ pub enum ModelSpec {
         /// Solid shapes, closed to `phi`.
         #[serde(default)]
         obstacles: Vec<Shape>,
+        /// Solid cells from a file, besides the shapes.
+        mask: Option<MaskSpec>,
     },
     /// A pulse in a uniform one-dimensional flow, by a chosen form of the equations (the paper's Appendix A).
     SingleField {
@@ -58,6 +61,7 @@ pub struct LawSpec {
 }
 
 /// How the medium moves.
+#[allow(clippy::large_enum_variant)] // A scene has one of them.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename = "medium", deny_unknown_fields)]
 pub enum Medium {
@@ -68,6 +72,31 @@ pub enum Medium {
     Uniform(Axes<f64>),
     /// By a formula.
     Analytic(Flow),
+    /// As an incompressible fluid without viscosity, u_t + (u·grad) u = −(1/rho) grad p + b, div u = 0.
+    Solved {
+        /// Its velocity at the start \[m/s\], the same everywhere; at rest unless given.
+        velocity: Option<Axes<f64>>,
+        /// Its walls. Unless given they are closed where nothing passes for `phi` (`Closed`, `Flux`), open elsewhere.
+        #[serde(default)]
+        walls: FlowSides,
+        /// A force everywhere \[m/s²\].
+        force: Option<Axes<f64>>,
+        /// A force where `phi` is.
+        buoyancy: Option<BuoyancySpec>,
+        /// Where it is given a velocity.
+        #[serde(default)]
+        jets: Vec<JetSpec>,
+    },
+}
+
+/// A file of solid cells.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(rename = "mask", deny_unknown_fields)]
+pub struct MaskSpec {
+    /// One byte a cell, x fastest, 0 for fluid; the path is relative to the scene's file.
+    pub file: String,
+    /// Its cells along each axis, those of the grid unless given. On another grid the nearest cell counts.
+    pub cells: Option<Axes<usize>>,
 }
 
 /// Divergence-free flows given by a formula.
@@ -100,14 +129,16 @@ pub struct Deposit {
     pub value: f64,
 }
 
-/// A shape that emits.
+/// A shape that emits, or in which `phi` is held.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename = "source", deny_unknown_fields)]
 pub struct SourceSpec {
     /// Where.
     pub shape: Shape,
-    /// How much \[P/s\].
-    pub rate: f64,
+    /// How much is added \[P/s\].
+    pub rate: Option<f64>,
+    /// Instead of a rate, the value at which `phi` is held in cells whose centre is inside, set before each step \[P\].
+    pub value: Option<f64>,
     /// When it begins \[s\].
     #[serde(default)]
     pub from: f64,

@@ -1,5 +1,6 @@
 //! `output`: what to write.
 
+use super::Axis;
 use serde::Deserialize;
 
 /// What to write besides the summary and the report.
@@ -12,13 +13,15 @@ pub struct Output {
     pub table: bool,
     /// Pictures of `phi`.
     pub pictures: Pictures,
+    /// Pictures of `phi` as a cloud, in three dimensions.
+    pub volume: Option<VolumeSpec>,
     /// The fields in the files; a field that a run does not have is left out.
     pub fields: Vec<Field>,
 }
 
 impl Default for Output {
     fn default() -> Self {
-        Output { vtk: true, table: true, pictures: Pictures::Auto, fields: vec![Field::Phi] }
+        Output { vtk: true, table: true, pictures: Pictures::Auto, volume: None, fields: vec![Field::Phi] }
     }
 }
 
@@ -46,6 +49,34 @@ pub enum Pictures {
     },
 }
 
+/// How `phi` looks as a cloud.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(rename = "volume", deny_unknown_fields)]
+pub struct VolumeSpec {
+    /// What it is made of.
+    pub look: Cloud,
+    /// `phi` of the thickest cloud \[P\]; what is more looks the same.
+    pub high: f64,
+    /// `phi` that cannot be seen \[P\].
+    #[serde(default)]
+    pub low: f64,
+    /// The axis that points up in the picture; y unless given.
+    pub up: Option<Axis>,
+    /// Where the eye is around the box, and above its middle \[degrees\].
+    pub eye: Option<(f64, f64)>,
+}
+
+/// What a cloud is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub enum Cloud {
+    /// Blue-black ink in front of a light wall.
+    Ink,
+    /// White smoke in front of a dark one.
+    Smoke,
+    /// Something that glows.
+    Fire,
+}
+
 /// A field that can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum Field {
@@ -58,4 +89,7 @@ pub enum Field {
     /// The velocity of the medium \[m/s\].
     #[serde(rename = "u")]
     Velocity,
+    /// Pressure over density of a solved fluid \[m²/s²\], where its scheme keeps it.
+    #[serde(rename = "p")]
+    Pressure,
 }

@@ -4,6 +4,7 @@ use super::tree::Node;
 use super::{BYTE_ORDER_MARK, Flaw, line_column, scan};
 use crate::error::{Detail, Place, SceneError};
 use std::ops::Range;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A text that somebody wrote: a scene file, or a flag.
@@ -106,6 +107,14 @@ impl Merged {
             start = end;
         }
         self.file.clone()
+    }
+
+    /// The folder that the file lies in, as far as its name says.
+    pub(crate) fn folder(&self) -> PathBuf {
+        match &*self.file.written {
+            Written::File { name, .. } => Path::new(name).parent().map(Path::to_owned).unwrap_or_default(),
+            Written::Flag { .. } => PathBuf::new(),
+        }
     }
 
     /// An error at a range of merged bytes.

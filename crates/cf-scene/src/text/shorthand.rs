@@ -1,7 +1,7 @@
 //! Words that stand for a longer form, written out before a scene is decoded.
 //!
-//! `accuracy: Draft` means `accuracy: (level: Draft)`, and `Absorbing` and `Open` on a side mean `Absorbing()` and
-//! `Open()`. Doing this in the text keeps the types plain and every later position exact.
+//! `accuracy: Draft` means `accuracy: (level: Draft)`, `Absorbing` and `Open` on a side mean `Absorbing()` and `Open()`,
+//! and `medium: Solved` means `Solved()`. Doing this in the text keeps the types plain and every later position exact.
 
 use super::merged::Merged;
 use super::path::{Path, Step};
@@ -11,9 +11,10 @@ use crate::error::SceneError;
 /// Writes out every shorthand of a merged scene.
 pub(crate) fn write_out(merged: &mut Merged) -> Result<(), SceneError> {
     accuracy(merged)?;
+    empty(merged, &["model", "medium"], &["Solved"])?;
     for axis in ["x", "y", "z"] {
         for side in ["low", "high"] {
-            wall(merged, axis, side)?;
+            empty(merged, &["sides", axis, side], &["Absorbing", "Open"])?;
         }
     }
     Ok(())
@@ -34,9 +35,10 @@ fn accuracy(merged: &mut Merged) -> Result<(), SceneError> {
     Ok(())
 }
 
-fn wall(merged: &mut Merged, axis: &str, side: &str) -> Result<(), SceneError> {
-    let Some(node) = merged.tree.get(&keys(&["sides", axis, side])) else { return Ok(()) };
-    if matches!(node.shape, Shape::Word) && matches!(node.name.as_deref(), Some("Absorbing" | "Open")) {
+/// A word of these at a place gets its brackets.
+fn empty(merged: &mut Merged, place: &[&str], words: &[&str]) -> Result<(), SceneError> {
+    let Some(node) = merged.tree.get(&keys(place)) else { return Ok(()) };
+    if matches!(node.shape, Shape::Word) && node.name.as_deref().is_some_and(|name| words.contains(&name)) {
         let span = node.span.clone();
         let origin = merged.origin(span.clone());
         merged.replace(span.end..span.end, &[("()", &origin)])?;

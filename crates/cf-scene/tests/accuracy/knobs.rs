@@ -30,6 +30,12 @@ fn solves(run: &RunSummary) -> f64 {
 fn iterations(run: &RunSummary) -> f64 {
     run.iterations.mean * run.iterations.solves as f64
 }
+fn projections(run: &RunSummary) -> f64 {
+    run.flow.as_ref().map_or(0.0, |flow| flow.projections.solves as f64)
+}
+fn pressure_iterations(run: &RunSummary) -> f64 {
+    run.flow.as_ref().map_or(0.0, |flow| flow.projections.solves as f64 * flow.projections.mean)
+}
 fn phi_bytes(run: &RunSummary) -> f64 {
     run.fields[0].bytes as f64
 }
@@ -60,6 +66,7 @@ fn files(run: &RunSummary) -> f64 {
 
 const FINE: &[&str] = &["accuracy.integrator=Sdirk2", "accuracy.dt=0.004", "accuracy.tolerance=1e-10"];
 const STEADY: &[&str] = &["accuracy.dt=0.0625"];
+const BUOYANT: &[&str] = &["model.medium=Solved(buoyancy: (strength: 0.05))"];
 const WAVES: &[&str] = &["model.law.fourier=0.0", "accuracy.dt=0.0625"];
 
 /// Key, what else is set, the two settings, and what changes from the first to the second.
@@ -125,6 +132,9 @@ const ACCURACY: &[Knob] = &[
         ["accuracy.solver=Multigrid", "accuracy.solver=Chebyshev"],
         &[Rises(iterations), Differs],
     ),
+    ("cfl", BUOYANT, ["accuracy.cfl=0.8", "accuracy.cfl=0.2"], &[Rises(steps), Differs]),
+    ("flow", BUOYANT, ["accuracy.flow=Cnp", "accuracy.flow=CentralRk4"], &[Rises(projections), Differs]),
+    ("eta_div", BUOYANT, ["accuracy.eta_div=1e-2", "accuracy.eta_div=1e-7"], &[Rises(pressure_iterations), Differs]),
 ];
 
 /// The same for what is no accuracy.
@@ -216,8 +226,20 @@ fn everything_else_changes_something() {
 #[test]
 fn no_knob_is_forgotten() {
     // A new key does not compile here until it is named.
-    let AccuracySpec { level, integrator, advection, splitting, dt, cfl, step, tolerance, precision, solver } =
-        AccuracySpec::default();
+    let AccuracySpec {
+        level,
+        integrator,
+        advection,
+        splitting,
+        dt,
+        cfl,
+        step,
+        tolerance,
+        precision,
+        solver,
+        flow,
+        eta_div,
+    } = AccuracySpec::default();
     let keys = [
         ("level", level.is_none()),
         ("integrator", integrator.is_none()),
@@ -229,6 +251,8 @@ fn no_knob_is_forgotten() {
         ("tolerance", tolerance.is_none()),
         ("precision", precision.is_none()),
         ("solver", solver.is_none()),
+        ("flow", flow.is_none()),
+        ("eta_div", eta_div.is_none()),
     ];
     for (key, open) in keys {
         assert!(open && ACCURACY.iter().any(|knob| knob.0 == key), "{key}");

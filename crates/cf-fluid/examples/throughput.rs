@@ -33,8 +33,7 @@ fn measure(n: usize, threads: usize) -> Result<(), Box<dyn std::error::Error + S
                 let mut best = f64::INFINITY;
                 for _ in 0..3 {
                     let start = Instant::now();
-                    transport.faces(&mut u, &mut by, dt, how);
-                    transport.cells(&mut phi, &mut by, dt, how);
+                    transport.all(&mut phi, &mut u, &mut by, dt, how);
                     best = best.min(start.elapsed().as_secs_f64());
                 }
                 println!(

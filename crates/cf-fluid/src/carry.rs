@@ -4,12 +4,13 @@
 //! through the others is what the wall lets in, reached linearly from the outermost value. Near solids the cubic is held
 //! within the values around the foot.
 
-use cf_grid::{End, FaceField, Layout, Mask, Real, Sides};
+use cf_grid::{End, FaceField, Layout, Mask, Real, Sides, Slabs, join, vectorised};
 
-use crate::chunk::{LANES, Lanes, Weights, cubic, linear, range};
+use crate::chunk::{Along, FEW, LANES, Lanes, cubic, linear, range};
 use crate::fill::Fill;
 use crate::lattice::Lattice;
 use crate::limit::{beside_walls, hold, near_solids, range_beyond, reverted};
+use crate::paths::{Ring, STRIP, TILE, Tile};
 use crate::point;
 use crate::trace::{feet, inside};
 use crate::wall::FlowWall;
@@ -30,6 +31,7 @@ pub enum Interpolation {
 #[derive(Debug, Clone)]
 pub(crate) struct Carry<const D: usize> {
     pub layout: Layout<D>,
+    pub cells: Lattice<D>,
     pub faces: [Lattice<D>; D],
     /// Faces within solids are given the values of their neighbours.
     fill: Option<[Fill; D]>,
@@ -41,7 +43,8 @@ impl<const D: usize> Carry<D> {
     pub fn new(layout: &Layout<D>, sides: &Sides<FlowWall<D>, D>, mask: Option<&Mask<D>>) -> Self {
         let faces: [Lattice<D>; D] = std::array::from_fn(|a| Lattice::faces(layout, sides, a));
         let fill = mask.map(|mask| std::array::from_fn(|a| Fill::new(&faces[a], mask)));
-        Self { layout: *layout, near: mask.map(|m| near_solids(m, &faces)), fill, faces }
+        let cells = Lattice::cells(layout, sides, |_, _| 0.0);
+        Self { layout: *layout, cells, near: mask.map(|m| near_solids(m, &faces)), fill, faces }
     }
 
     pub fn bytes(&self) -> usize {
@@ -57,56 +60,58 @@ impl<const D: usize> Carry<D> {
         }
     }
 
-    /// `out` = `from` carried by `by` over dt = `ratio` h. Solids must be filled.
-    pub fn carry<T: Real, const K: usize>(
+    /// Prepares a velocity as what carries and is carried: continues its rows beyond their ends.
+    pub fn continue_faces<T: Real>(&self, u: &mut FaceField<T, D>) {
+        for a in 0..D {
+            self.faces[a].continue_rows(u.axis_mut(a));
+        }
+    }
+
+    /// Whether displacements along `axis` change sign at `index`: behind a closed wall.
+    #[inline(always)]
+    pub fn turns(&self, axis: usize, index: i64) -> bool {
+        let n = self.layout.cells()[axis] as i64;
+        let beyond = if index >= n { n + 1 } else { index };
+        self.cells.walled(axis) && !(0..n).contains(&index) && self.faces[axis].place(axis, beyond).1
+    }
+
+    /// `out` = `from` carried by `by` over dt = `ratio` h, all lattices in one sweep. Solids must be filled, rows continued.
+    pub fn carry<T: Real, const K: usize, const N: usize>(
         &self,
-        lattice: &Lattice<D>,
+        lattices: [&Lattice<D>; N],
         by: &FaceField<T, D>,
         ratio: f64,
-        from: &[T],
-        out: &mut [T],
+        from: [&[T]; N],
+        out: [&mut [T]; N],
     ) {
-        let u = by.axes();
-        let near = self.near.as_deref();
-        self.stretches(
-            lattice,
-            out,
-            #[inline(always)]
-            |cell, len, row| {
-                let free = feet(lattice, &self.faces, &u, ratio, cell, len);
-                let mut shift = free;
-                inside(lattice, cell, len, &mut shift);
-                let mut value = fetch::<T, D, K>(lattice, from, cell, &shift);
-                if K == 4
-                    && let Some(near) = near
-                {
-                    hold::<T, D, K>(lattice, near, from, cell, len, &shift, &mut value);
-                }
-                let_in(lattice, cell, len, &free, &mut value);
-                row.copy_from_slice(&value[..len]);
-            },
-        );
+        let planes = lattices.iter().map(|l| l.region.high[D - 1]).max().unwrap_or(0);
+        let load = Load::<T, D, K, N> { carry: self, lattices, u: by.axes(), ratio, from };
+        load.halve(0, planes, out, 0);
     }
 
     /// `out` = `from` carried by `by`; `back` is scratch for MacCormack.
     #[allow(clippy::too_many_arguments)]
-    pub fn carry_as<T: Real>(
+    pub fn carry_as<T: Real, const N: usize>(
         &self,
         how: Interpolation,
-        lattice: &Lattice<D>,
+        lattices: [&Lattice<D>; N],
         by: &FaceField<T, D>,
         ratio: f64,
-        from: &[T],
-        out: &mut [T],
+        from: [&[T]; N],
+        mut out: [&mut [T]; N],
         back: &mut [T],
     ) {
         match how {
-            Interpolation::Linear => self.carry::<T, 2>(lattice, by, ratio, from, out),
-            Interpolation::Cubic => self.carry::<T, 4>(lattice, by, ratio, from, out),
+            Interpolation::Linear => self.carry::<T, 2, N>(lattices, by, ratio, from, out),
+            Interpolation::Cubic => self.carry::<T, 4, N>(lattices, by, ratio, from, out),
             Interpolation::MacCormack => {
-                self.carry::<T, 2>(lattice, by, ratio, from, out);
-                self.carry::<T, 2>(lattice, by, -ratio, out, back);
-                self.correct(lattice, by, ratio, from, back, out);
+                self.carry::<T, 2, N>(lattices, by, ratio, from, out.each_mut().map(|o| &mut **o));
+                for l in 0..N {
+                    let (lattice, out) = (lattices[l], &mut *out[l]);
+                    lattice.continue_rows(out);
+                    self.carry::<T, 2, 1>([lattice], by, -ratio, [out], [&mut *back]);
+                    self.correct(lattice, by, ratio, from[l], back, out);
+                }
             }
         }
     }
@@ -151,39 +156,113 @@ impl<const D: usize> Carry<D> {
         );
     }
 
-    /// Calls `body(first index, length, out)` for stretches of at most [`LANES`] values. In 3D by strips of y, so that the
-    /// rows around a value are still in the cache when the next plane needs them.
+    /// Calls `body(first index, length, out)` for stretches of at most [`LANES`] values.
     fn stretches<T: Real>(&self, lattice: &Lattice<D>, out: &mut [T], body: impl Fn([i64; D], usize, &mut [T]) + Sync) {
-        let rows = lattice.region.high[1];
-        let strip = if D == 3 { STRIP } else { rows };
-        for low in (0..rows).step_by(strip) {
-            let mut region = lattice.region;
-            region.low[1] = low;
-            region.high[1] = (low + strip).min(rows);
-            self.layout.par_runs(
-                region,
-                &mut *out,
-                #[inline(always)]
-                |run, row: &mut [T]| {
-                    let mut done = 0;
-                    while done < row.len() {
-                        let len = LANES.min(row.len() - done);
-                        let mut cell = [0; D];
-                        for a in 0..D {
-                            cell[a] = run.cell[a] as i64;
-                        }
-                        cell[0] += done as i64;
-                        body(cell, len, &mut row[done..done + len]);
-                        done += len;
+        self.layout.par_runs(
+            lattice.region,
+            out,
+            #[inline(always)]
+            |run, row: &mut [T]| {
+                let mut done = 0;
+                while done < row.len() {
+                    let len = LANES.min(row.len() - done);
+                    let mut cell = [0; D];
+                    for a in 0..D {
+                        cell[a] = run.cell[a] as i64;
                     }
-                },
-            );
-        }
+                    cell[0] += done as i64;
+                    body(cell, len, &mut row[done..done + len]);
+                    done += len;
+                }
+            },
+        );
     }
 }
 
-/// Rows of a strip.
-const STRIP: usize = 16;
+/// What is carried, and by what.
+struct Load<'a, T, const D: usize, const K: usize, const N: usize> {
+    carry: &'a Carry<D>,
+    lattices: [&'a Lattice<D>; N],
+    u: [&'a [T]; D],
+    ratio: f64,
+    from: [&'a [T]; N],
+}
+
+/// Planes of a slab, which is done serially; the plane before it is traced again.
+const SLAB: usize = 16;
+
+impl<T: Real, const D: usize, const K: usize, const N: usize> Load<'_, T, D, K, N> {
+    /// Planes `low..high`, in parallel; `out` begins at slot `base`.
+    fn halve(&self, low: usize, high: usize, out: [&mut [T]; N], base: usize) {
+        if high - low <= SLAB {
+            vectorised(
+                #[inline(always)]
+                || self.slab(low, high, out, base),
+            );
+            return;
+        }
+        let middle = low + (high - low) / 2;
+        let cut = (middle + 1) * self.carry.layout.stride(D - 1);
+        let (first, second) = out.split_at(cut - base);
+        join(|| self.halve(low, middle, first, base), || self.halve(middle, high, second, cut));
+    }
+
+    #[inline(always)]
+    fn slab(&self, low: usize, high: usize, out: [&mut [T]; N], base: usize) {
+        let cells = self.carry.layout.cells();
+        let rows = if D == 3 { self.lattices.iter().map(|l| l.region.high[1]).max().unwrap_or(0) } else { 1 };
+        let mut ring = Ring::<T, D>::REST;
+        for j in (0..rows).step_by(STRIP) {
+            for x in (0..cells[0]).step_by(TILE) {
+                let tile = Tile { x, width: TILE.min(cells[0] - x), j, rows: STRIP.min(rows - j) };
+                ring.trace(self.carry, &self.u, self.ratio, tile, low as i64 - 1);
+                for k in low..high {
+                    ring.trace(self.carry, &self.u, self.ratio, tile, k as i64);
+                    for j in j..j + tile.rows {
+                        for l in 0..N {
+                            self.row(l, &ring, tile, [j, k], out[l], base);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Lattice `l` in one row of a tile.
+    #[inline(always)]
+    fn row(&self, l: usize, ring: &Ring<T, D>, tile: Tile, [j, k]: [usize; 2], out: &mut [T], base: usize) {
+        let (lattice, from) = (self.lattices[l], self.from[l]);
+        let region = lattice.region;
+        if k >= region.high[D - 1] || (D == 3 && j >= region.high[1]) {
+            return;
+        }
+        // The face on the high wall belongs to the last tile.
+        let last = tile.x + tile.width == self.carry.layout.cells()[0];
+        let end = if last { region.high[0] } else { tile.x + tile.width };
+        let mut x = tile.x;
+        while x < end {
+            let len = LANES.min(end - x);
+            let mut cell = [x as i64; D];
+            if D == 3 {
+                cell[1] = j as i64;
+            }
+            cell[D - 1] = k as i64;
+            let free = ring.of(lattice.normal, tile, x, j, k as i64, len);
+            let mut shift = free;
+            inside(lattice, cell, len, &mut shift);
+            let mut value = fetch::<T, D, K>(lattice, from, cell, len, &shift);
+            if K == 4
+                && let Some(near) = &self.carry.near
+            {
+                hold::<T, D, K>(lattice, near, from, cell, len, &shift, &mut value);
+            }
+            let_in(lattice, cell, len, &free, &mut value);
+            let at = slot_of(lattice, cell) - base;
+            out[at..at + len].copy_from_slice(&value[..len]);
+            x += len;
+        }
+    }
+}
 
 #[inline(always)]
 pub(crate) fn slot_of<const D: usize>(lattice: &Lattice<D>, cell: [i64; D]) -> usize {
@@ -200,37 +279,66 @@ fn fetch<T: Real, const D: usize, const K: usize>(
     lattice: &Lattice<D>,
     field: &[T],
     cell: [i64; D],
+    len: usize,
     shift: &[Lanes<T>; D],
 ) -> Lanes<T> {
-    if K == 2 {
-        let mut w = [Weights::<T, 3>::NONE; D];
-        if let Some(chosen) = usable(&mut w, shift) {
-            return linear(lattice, field, cell, chosen);
-        }
-    } else {
-        let mut w = [Weights::<T, 5>::NONE; D];
-        if let Some(chosen) = usable(&mut w, shift) {
-            return cubic(lattice, field, cell, chosen);
-        }
-    }
-    fetch_points::<T, D, K>(lattice, field, cell, shift)
+    together::<T, D, K, LANES>(lattice, field, cell, shift)
+        .unwrap_or_else(|| fetch_parts::<T, D, K>(lattice, field, cell, len, shift))
 }
 
+/// The same for `L` values; `None` where they are torn too far apart.
 #[inline(always)]
-fn usable<'w, T: Real, const D: usize, const W: usize>(
-    w: &'w mut [Weights<T, W>; D],
-    shift: &[Lanes<T>; D],
-) -> Option<[&'w Weights<T, W>; D]> {
-    let mut all = true;
+fn together<T: Real, const D: usize, const K: usize, const L: usize>(
+    lattice: &Lattice<D>,
+    field: &[T],
+    cell: [i64; D],
+    shift: &[Lanes<T, L>; D],
+) -> Option<Lanes<T, L>> {
+    let mut along = [Along::NONE; D];
+    let mut usable = true;
     for a in 0..D {
-        w[a].set(&shift[a], range(&shift[a]), T::ZERO);
-        all &= w[a].usable();
+        usable &= along[a].set(&shift[a], range(&shift[a]), T::ZERO);
     }
-    let mut chosen = [&w[0]; D];
+    if !usable {
+        return None;
+    }
+    let mut chosen = [&along[0]; D];
     for a in 1..D {
-        chosen[a] = &w[a];
+        chosen[a] = &along[a];
     }
-    all.then_some(chosen)
+    Some(if K == 2 { linear(lattice, field, cell, chosen) } else { cubic(lattice, field, cell, chosen) })
+}
+
+/// A stretch that is torn too far apart, in shorter ones or point by point.
+#[inline(never)]
+fn fetch_parts<T: Real, const D: usize, const K: usize>(
+    lattice: &Lattice<D>,
+    field: &[T],
+    cell: [i64; D],
+    len: usize,
+    shift: &[Lanes<T>; D],
+) -> Lanes<T> {
+    let mut value = [T::ZERO; LANES];
+    vectorised(
+        #[inline(always)]
+        || {
+            for begin in (0..len).step_by(FEW) {
+                let mut own = cell;
+                own[0] += begin as i64;
+                let mut few = [[T::ZERO; FEW]; D];
+                for a in 0..D {
+                    few[a].copy_from_slice(&shift[a][begin..begin + FEW]);
+                }
+                let part = together::<T, D, K, FEW>(lattice, field, own, &few);
+                let part = match part {
+                    Some(part) => part,
+                    None => fetch_points::<T, D, K>(lattice, field, own, &few),
+                };
+                value[begin..begin + FEW].copy_from_slice(&part);
+            }
+        },
+    );
+    value
 }
 
 #[inline(never)]
@@ -238,8 +346,8 @@ fn fetch_points<T: Real, const D: usize, const K: usize>(
     lattice: &Lattice<D>,
     field: &[T],
     cell: [i64; D],
-    shift: &[Lanes<T>; D],
-) -> Lanes<T> {
+    shift: &[Lanes<T, FEW>; D],
+) -> Lanes<T, FEW> {
     std::array::from_fn(|i| {
         let mut own = cell;
         own[0] += i as i64;

@@ -4,7 +4,7 @@
 //! continue evenly behind a closed wall, but the normal velocity, which is odd. Behind other walls the outermost value
 //! continues; what is carried in through them is the business of `carry`.
 
-use cf_grid::{End, Layout, Region, Sides};
+use cf_grid::{End, Layout, Real, Region, Sides};
 
 use crate::wall::FlowWall;
 
@@ -96,6 +96,27 @@ impl<const D: usize> Lattice<D> {
         match self.lines[axis] {
             Line::Ring { count } => count - 1,
             Line::Walls { last, .. } => last,
+        }
+    }
+
+    /// The last index along x that has a slot.
+    #[inline(always)]
+    pub fn stored(&self) -> i64 {
+        self.layout.cells()[0] as i64
+    }
+
+    /// Continues rows by one value beyond either end, into the rim, as far as there are slots, so that most stretches need
+    /// not ask what lies there.
+    pub fn continue_rows<T: Real>(&self, field: &mut [T]) {
+        let (n, high) = (self.layout.cells()[0], self.last(0) + 1);
+        let low = self.place(0, -1);
+        let beyond = (high == n as i64).then(|| self.place(0, high));
+        let signed = |(index, flip): (usize, bool), row: &[T]| if flip { -row[1 + index] } else { row[1 + index] };
+        for row in field.chunks_exact_mut(n + 2) {
+            row[0] = signed(low, row);
+            if let Some(beyond) = beyond {
+                row[1 + n] = signed(beyond, row);
+            }
         }
     }
 

@@ -18,7 +18,8 @@
 //!   [`cf_diffusion`] with either, in second order or in the paper's order, with [`Emitter`]s and buoyancy.
 //!
 //! Rows of values are interpolated together: where they come from places equally far away, the values around them are
-//! contiguous too, and no gathering is needed (`chunk`).
+//! contiguous too, and no gathering is needed (`chunk`). Trajectories are traced once per cell for all that is carried
+//! (`paths`).
 //!
 //! ```
 //! use cf_fluid::{FlowSettings, FlowWall, Fluid, Shape, obstacles};
@@ -53,6 +54,7 @@ mod gates;
 mod inspect;
 mod lattice;
 mod limit;
+mod paths;
 mod point;
 mod project;
 mod settings;

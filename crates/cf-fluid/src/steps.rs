@@ -129,12 +129,14 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         let interpolation = self.settings.interpolation.unwrap_or(default);
         self.carry.fill_solids(&mut self.before);
         self.carry.fill_solids(&mut self.next);
+        self.carry.continue_faces(&mut self.before);
+        self.carry.continue_faces(&mut self.next);
         let ratio = dt / self.grid.h();
         for c in 0..D {
             let lattice = &self.carry.faces[c];
             let [out, back] = self.projection.scratch();
             let (by, from) = (&self.before, self.next.axis(c));
-            self.carry.carry_as(interpolation, lattice, by, ratio, from, out, back);
+            self.carry.carry_as(interpolation, [lattice], by, ratio, [from], [&mut out[..]], back);
             std::mem::swap(&mut self.next.fields_mut()[c], out);
         }
     }

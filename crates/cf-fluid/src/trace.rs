@@ -1,8 +1,8 @@
 //! Where the fluid at a stretch of values came from: the midpoint rule backwards in time.
 
-use cf_grid::Real;
+use cf_grid::{Real, vectorised};
 
-use crate::chunk::{LANES, Lanes, Weights, linear, mean, range};
+use crate::chunk::{Along, FEW, LANES, Lanes, linear, mean, range};
 use crate::lattice::Lattice;
 use crate::point;
 
@@ -17,8 +17,54 @@ pub(crate) fn feet<T: Real, const D: usize>(
     cell: [i64; D],
     len: usize,
 ) -> [Lanes<T>; D] {
+    let mut shift = [[T::ZERO; LANES]; D];
+    if !together(at, faces, u, ratio, cell, len, &mut shift) {
+        in_parts(at, faces, u, ratio, cell, len, &mut shift);
+    }
+    shift
+}
+
+/// A stretch that is torn too far apart, in shorter ones.
+#[inline(never)]
+fn in_parts<T: Real, const D: usize>(
+    at: &Lattice<D>,
+    faces: &[Lattice<D>; D],
+    u: &[&[T]; D],
+    ratio: f64,
+    cell: [i64; D],
+    len: usize,
+    shift: &mut [Lanes<T>; D],
+) {
+    vectorised(
+        #[inline(always)]
+        || {
+            for begin in (0..len).step_by(FEW) {
+                let mut own = cell;
+                own[0] += begin as i64;
+                let mut few = [[T::ZERO; FEW]; D];
+                together(at, faces, u, ratio, own, FEW.min(len - begin), &mut few);
+                for a in 0..D {
+                    shift[a][begin..begin + FEW].copy_from_slice(&few[a]);
+                }
+            }
+        },
+    );
+    repeat_last(len, shift);
+}
+
+/// The same for `L` values. False, and nothing done, where more than [`FEW`] are torn too far apart.
+#[inline(always)]
+fn together<T: Real, const D: usize, const L: usize>(
+    at: &Lattice<D>,
+    faces: &[Lattice<D>; D],
+    u: &[&[T]; D],
+    ratio: f64,
+    cell: [i64; D],
+    len: usize,
+    velocity: &mut [Lanes<T, L>; D],
+) -> bool {
     let half = T::of(-0.5 * ratio);
-    let mut middle = [[T::ZERO; LANES]; D];
+    let mut middle = [[T::ZERO; L]; D];
     for a in 0..D {
         // Neighbours of a value among the faces of axis a: half a cell to either side, or the same place.
         let (mut low, mut pair) = ([0; D], [false; D]);
@@ -27,24 +73,25 @@ pub(crate) fn feet<T: Real, const D: usize>(
             pair[b] = offset != 0.0;
             low[b] = if offset < 0.0 { -1 } else { 0 };
         }
-        let here = mean(&faces[a], u[a], cell, low, pair);
-        for i in 0..LANES {
+        let here: Lanes<T, L> = mean(&faces[a], u[a], cell, low, pair);
+        for i in 0..L {
             middle[a][i] = half * here[i];
         }
     }
-    inside(at, cell, len, &mut middle);
     repeat_last(len, &mut middle);
+    inside(at, cell, len, &mut middle);
     // Seen from a value, faces of axis b are offset along b differently than all others.
-    let mut both = [[Weights::<T, 3>::NONE; 2]; D];
+    let mut both = [[Along::NONE; 2]; D];
     let mut usable = true;
     for b in 0..D {
         let bounds = range(&middle[b]);
         for k in 0..2 {
-            both[b][k].set(&middle[b], bounds, T::of(at.half(b) - if k == 0 { 0.5 } else { 0.0 }));
-            usable &= both[b][k].usable();
+            usable &= both[b][k].set(&middle[b], bounds, T::of(at.half(b) - if k == 0 { 0.5 } else { 0.0 }));
         }
     }
-    let mut velocity = [[T::ZERO; LANES]; D];
+    if !usable && L > FEW {
+        return false;
+    }
     for a in 0..D {
         if usable {
             let mut chosen = [&both[0][0]; D];
@@ -58,22 +105,22 @@ pub(crate) fn feet<T: Real, const D: usize>(
     }
     let full = T::of(-ratio);
     for a in 0..D {
-        for i in 0..LANES {
+        for i in 0..L {
             velocity[a][i] = full * velocity[a][i];
         }
     }
-    repeat_last(len, &mut velocity);
-    velocity
+    repeat_last(len, velocity);
+    true
 }
 
 #[inline(never)]
-fn by_points<T: Real, const D: usize>(
+fn by_points<T: Real, const D: usize, const L: usize>(
     at: &Lattice<D>,
     faces: &Lattice<D>,
     u: &[T],
     cell: [i64; D],
-    shift: &[Lanes<T>; D],
-) -> Lanes<T> {
+    shift: &[Lanes<T, L>; D],
+) -> Lanes<T, L> {
     std::array::from_fn(|i| {
         let mut own = cell;
         own[0] += i as i64;
@@ -84,7 +131,12 @@ fn by_points<T: Real, const D: usize>(
 
 /// Keeps displaced points of `at` within the box along walled axes.
 #[inline(always)]
-pub(crate) fn inside<T: Real, const D: usize>(at: &Lattice<D>, cell: [i64; D], len: usize, shift: &mut [Lanes<T>; D]) {
+pub(crate) fn inside<T: Real, const D: usize, const L: usize>(
+    at: &Lattice<D>,
+    cell: [i64; D],
+    len: usize,
+    shift: &mut [Lanes<T, L>; D],
+) {
     for a in 0..D {
         if !at.walled(a) {
             continue;
@@ -101,13 +153,15 @@ pub(crate) fn inside<T: Real, const D: usize>(at: &Lattice<D>, cell: [i64; D], l
             let own = if a == 0 { i as f64 } else { 0.0 };
             shift[a][i] = shift[a][i].max(T::of(low - own)).min(T::of(high - own));
         }
+        let last = shift[a][len - 1];
+        shift[a][len..].fill(last);
     }
 }
 
 /// Lanes behind the values of a short row follow the last one, so that they neither tear the stretch apart nor matter.
 #[inline(always)]
-fn repeat_last<T: Real, const D: usize>(len: usize, shift: &mut [Lanes<T>; D]) {
-    if len < LANES {
+pub(crate) fn repeat_last<T: Real, const D: usize, const L: usize>(len: usize, shift: &mut [Lanes<T, L>; D]) {
+    if len < L {
         for a in 0..D {
             let last = shift[a][len - 1];
             shift[a][len..].fill(last);

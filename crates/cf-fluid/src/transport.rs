@@ -12,6 +12,7 @@ pub struct Transport<T, const D: usize> {
     grid: Grid<D>,
     carry: Carry<D>,
     cells: Lattice<D>,
+    faces: FaceField<T, D>,
     work: [CellField<T>; 2],
 }
 
@@ -28,36 +29,57 @@ impl<T: Real, const D: usize> Transport<T, D> {
             grid: *grid,
             carry: Carry::new(layout, sides, mask),
             cells: Lattice::cells(layout, sides, inflow),
+            faces: FaceField::new(layout),
             work: [CellField::new(layout), CellField::new(layout)],
         }
     }
 
     /// Carries the faces `u` by `by` over `dt` \[s\], both continued into solids first.
     pub fn faces(&mut self, u: &mut FaceField<T, D>, by: &mut FaceField<T, D>, dt: f64, how: Interpolation) {
-        self.carry.fill_solids(by);
-        self.carry.fill_solids(u);
-        for c in 0..D {
-            self.one(Some(c), &mut u.fields_mut()[c], by, dt, how);
-        }
+        self.prepare(by);
+        self.prepare(u);
+        let lattices = self.carry.faces.each_ref();
+        let [_, back] = &mut self.work;
+        let ratio = dt / self.grid.h();
+        self.carry.carry_as(how, lattices, by, ratio, u.axes(), self.faces.axes_mut(), back);
+        std::mem::swap(u, &mut self.faces);
     }
 
     /// Carries the cells `phi` by `by` over `dt` \[s\].
     pub fn cells(&mut self, phi: &mut CellField<T>, by: &mut FaceField<T, D>, dt: f64, how: Interpolation) {
-        self.carry.fill_solids(by);
-        self.one(None, phi, by, dt, how);
+        self.prepare(by);
+        self.cells.continue_rows(phi);
+        let [out, back] = &mut self.work;
+        self.carry.carry_as(how, [&self.cells], by, dt / self.grid.h(), [phi], [&mut out[..]], back);
+        std::mem::swap(phi, out);
     }
 
-    fn one(
+    fn prepare(&self, u: &mut FaceField<T, D>) {
+        self.carry.fill_solids(u);
+        self.carry.continue_faces(u);
+    }
+}
+
+impl<T: Real> Transport<T, 3> {
+    /// Carries the cells `phi` and the faces `u` by `by` over `dt` \[s\] in one sweep.
+    pub fn all(
         &mut self,
-        axis: Option<usize>,
-        field: &mut CellField<T>,
-        by: &FaceField<T, D>,
+        phi: &mut CellField<T>,
+        u: &mut FaceField<T, 3>,
+        by: &mut FaceField<T, 3>,
         dt: f64,
         how: Interpolation,
     ) {
-        let lattice = axis.map_or(&self.cells, |a| &self.carry.faces[a]);
+        self.prepare(by);
+        self.prepare(u);
+        self.cells.continue_rows(phi);
+        let [x, y, z] = self.carry.faces.each_ref();
+        let [ux, uy, uz] = u.axes();
+        let [ox, oy, oz] = self.faces.axes_mut();
         let [out, back] = &mut self.work;
-        self.carry.carry_as(how, lattice, by, dt / self.grid.h(), field, out, back);
-        std::mem::swap(field, out);
+        let ratio = dt / self.grid.h();
+        self.carry.carry_as(how, [&self.cells, x, y, z], by, ratio, [phi, ux, uy, uz], [out, ox, oy, oz], back);
+        std::mem::swap(phi, out);
+        std::mem::swap(u, &mut self.faces);
     }
 }

@@ -298,12 +298,13 @@ fn vortices_in_three_dimensions() {
             "3D Taylor-Green {scheme:?} n={n}: energy change {:.2e} at t = {time:.2}, most {most:.1e}",
             last / start - 1.0
         );
-        assert!(most < 4e-3, "{scheme:?} {n}: {most:e}");
+        assert!(most < 5e-4, "{scheme:?} {n}: {most:e}");
         kept.push(last / start - 1.0);
     }
     assert!(kept[0].abs() < 1e-5, "central: {}", kept[0]);
     assert!(kept[1] < kept[2] && kept[1] < kept[3], "draft loses most: {kept:?}");
-    assert!(kept[4].abs() < 0.5 * kept[2].abs() && kept[5].abs() < 0.5 * kept[3].abs(), "{kept:?}");
+    // What the second-order schemes gain and lose nearly cancels here: its sign changes between the two sizes.
+    assert!(kept[2..].iter().all(|k| k.abs() < 5e-4), "{kept:?}");
 }
 
 /// Random smooth flow: a few waves of a stream function, zero on the walls.

@@ -1,0 +1,134 @@
+//! Where the fluid of a slab of cells came from, for everything that is carried at once.
+//!
+//! Trajectories are traced from cell centres, once per cell, and those of faces are the means of their two cells': as accurate as the
+//! interpolation of the velocity that both are made from, a third of the work for three components and a quarter with a
+//! scalar. Displacements live in a ring of two planes, strip by strip, that stays in the cache.
+
+use cf_grid::Real;
+
+use crate::carry::Carry;
+use crate::chunk::{LANES, Lanes, lanes};
+use crate::trace::{feet, repeat_last};
+
+/// Cells of a row that are done together.
+pub(crate) const TILE: usize = 256;
+/// Rows of a strip.
+pub(crate) const STRIP: usize = 32;
+/// A row of displacements: one value before the first, one behind the last, and lanes that do not matter.
+const ROOM: usize = TILE + 2 + LANES;
+
+/// Displacements \[cells\] of a row, by axis.
+type Row<T, const D: usize> = [[T; ROOM]; D];
+
+/// Cells whose displacements are known: those of `width` columns from `x` on and rows from `j` on, one more on the low side.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Tile {
+    pub x: usize,
+    pub width: usize,
+    pub j: usize,
+    pub rows: usize,
+}
+
+/// Displacements of the cells of two planes.
+pub(crate) struct Ring<T, const D: usize>([[Row<T, D>; STRIP + 1]; 2]);
+
+impl<T: Real, const D: usize> Ring<T, D> {
+    pub const REST: Self = Self([[[[T::ZERO; ROOM]; D]; STRIP + 1]; 2]);
+
+    /// Traces the cells of plane `k`, in place of the plane before the last; planes and rows may lie beyond the box.
+    #[inline(always)]
+    pub fn trace(&mut self, carry: &Carry<D>, u: &[&[T]; D], ratio: f64, tile: Tile, k: i64) {
+        let plane = &mut self.0[k.rem_euclid(2) as usize];
+        for (r, row) in plane.iter_mut().enumerate().take(tile.rows + 1) {
+            let j = (tile.j + r) as i64 - 1;
+            if D == 2 && r == 0 {
+                continue;
+            }
+            trace_row(carry, u, ratio, tile, if D == 2 { [0, k] } else { [j, k] }, row);
+        }
+    }
+
+    /// Displacements of a stretch of `len` values: of cells, or of faces normal to `axis`, from column `x` of row `j`, plane `k`.
+    #[inline(always)]
+    pub fn of(&self, axis: Option<usize>, tile: Tile, x: usize, j: usize, k: i64, len: usize) -> [Lanes<T>; D] {
+        let zero = [T::ZERO; LANES];
+        let (r, at) = (j - tile.j + 1, x - tile.x + 1);
+        let here = &self.0[k.rem_euclid(2) as usize][r];
+        let (below, low) = match axis {
+            None => (here, at),
+            Some(0) => (here, at - 1),
+            Some(1) if D == 3 => (&self.0[k.rem_euclid(2) as usize][r - 1], at),
+            Some(_) => (&self.0[(k - 1).rem_euclid(2) as usize][r], at),
+        };
+        let half = T::of(0.5);
+        let mut shift = [zero; D];
+        for a in 0..D {
+            // A row has room for both.
+            let (Some(d), Some(e)) = (lanes::<T, LANES>(&here[a], at), lanes::<T, LANES>(&below[a], low)) else {
+                return shift;
+            };
+            for i in 0..LANES {
+                shift[a][i] = half * (d[i] + e[i]);
+            }
+        }
+        repeat_last(len, &mut shift);
+        shift
+    }
+}
+
+/// Traces one row, `[j, k]` its place along the other axes.
+#[inline(always)]
+fn trace_row<T: Real, const D: usize>(
+    carry: &Carry<D>,
+    u: &[&[T]; D],
+    ratio: f64,
+    tile: Tile,
+    [j, k]: [i64; 2],
+    row: &mut Row<T, D>,
+) {
+    let (cells, n) = (&carry.cells, carry.layout.cells()[0] as i64);
+    let mut cell = [0; D];
+    let mut flip = [false; D];
+    for (a, index) in [(1, j), (D - 1, k)] {
+        cell[a] = cells.place(a, index).0 as i64;
+        flip[a] = carry.turns(a, index);
+    }
+    let (x, width) = (tile.x as i64, tile.width as i64);
+    // A whole periodic row knows what is before it; so does a row at a wall.
+    let first = if x == 0 { 0 } else { x - 1 };
+    let mut i = first;
+    while i < x + width {
+        let len = (x + width - i).min(LANES as i64) as usize;
+        cell[0] = i;
+        let shift = feet(cells, &carry.faces, u, ratio, cell, len);
+        let at = (i - x + 1) as usize;
+        for a in 0..D {
+            row[a][at..at + len].copy_from_slice(&shift[a][..len]);
+        }
+        i += len as i64;
+    }
+    for (index, at) in [(-1, 0), (n, tile.width + 1)] {
+        if index != -1 && x + width < n || index == -1 && x > 0 {
+            continue;
+        }
+        let from = cells.place(0, index).0 as i64;
+        if (x..x + width).contains(&from) {
+            let turns = carry.turns(0, index);
+            for a in 0..D {
+                let d = row[a][(from - x + 1) as usize];
+                row[a][at] = if a == 0 && turns { -d } else { d };
+            }
+        } else {
+            cell[0] = from;
+            let shift = feet(cells, &carry.faces, u, ratio, cell, 1);
+            for a in 0..D {
+                row[a][at] = shift[a][0];
+            }
+        }
+    }
+    for a in 1..D {
+        if flip[a] {
+            row[a].iter_mut().for_each(|d| *d = -*d);
+        }
+    }
+}

@@ -38,6 +38,9 @@ pub enum Command {
     /// Runs the scenes of a figure, writes fields, pictures and a report, and checks its claims.
     #[command(after_help = "Example: cargo xtask figure 3 --preset draft --set hc_2:model.law.k=0.2")]
     Figure(FigureArgs),
+    /// Runs the scene of a table of the paper and prints the paper's numbers beside ours.
+    #[command(after_help = "Example: cargo xtask table 2 --preset draft")]
+    Table(TableArgs),
     /// Runs a scene of your own.
     #[command(after_help = "Example: cargo xtask run my.ron --out out/first --set 'grid.cells=(128, 128)'")]
     Run(RunArgs),
@@ -65,6 +68,16 @@ pub struct FigureArgs {
     /// Number in the paper (3, A) or name of a scene (fig03_cones).
     pub figure: String,
     /// How to run it.
+    #[command(flatten)]
+    pub options: RunOptions,
+}
+
+/// `table`.
+#[derive(Args, Debug)]
+pub struct TableArgs {
+    /// Number in the paper: 2.
+    pub table: String,
+    /// How to run its scene.
     #[command(flatten)]
     pub options: RunOptions,
 }

@@ -22,19 +22,27 @@ pub fn figure(asked: &FigureArgs, stop: &AtomicBool) -> Result<(), Failure> {
     };
     let mut failed = Vec::new();
     for scene in &opened {
-        failed.extend(one(scene, folder(scene), &asked.options, stop)?);
+        failed.extend(failures(&one(scene, folder(scene), &asked.options, stop)?));
     }
     verdict(&failed)
+}
+
+/// Runs the one scene of a figure, with what became of it and the folder of its files.
+pub(crate) fn scene(figure: &str, options: &RunOptions, stop: &AtomicBool) -> Result<(Summary, PathBuf), Failure> {
+    let opened = open::figure(figure, &options.scene)?;
+    let Some(scene) = opened.first() else { return Err(Failure::usage(format!("figure {figure} has no scene"))) };
+    let out = options.out.clone().unwrap_or_else(|| Path::new("out").join(&scene.name));
+    Ok((one(scene, out.clone(), options, stop)?, out))
 }
 
 /// Runs a scene file.
 pub fn run(asked: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let opened = open::file(&asked.scene, &asked.options.scene)?;
     let folder = asked.options.out.clone().unwrap_or_else(|| Path::new("out").join(&opened.name));
-    verdict(&one(&opened, folder, &asked.options, stop)?)
+    verdict(&failures(&one(&opened, folder, &asked.options, stop)?))
 }
 
-fn verdict(failed: &[String]) -> Result<(), Failure> {
+pub(crate) fn verdict(failed: &[String]) -> Result<(), Failure> {
     if failed.is_empty() {
         return Ok(());
     }
@@ -50,8 +58,16 @@ fn claims(count: usize) -> String {
     if count == 1 { "1 claim".to_owned() } else { format!("{count} claims") }
 }
 
-/// Runs one scene and gives the names of the claims that failed.
-fn one(opened: &Opened, out: PathBuf, asked: &RunOptions, stop: &AtomicBool) -> Result<Vec<String>, Failure> {
+/// The claims that failed, in words.
+pub(crate) fn failures(summary: &Summary) -> Vec<String> {
+    summary
+        .failures()
+        .map(|claim| format!("{}: expected {}, measured {}", claim.name, claim.expected, claim.measured))
+        .collect()
+}
+
+/// Runs one scene and says how it went.
+fn one(opened: &Opened, out: PathBuf, asked: &RunOptions, stop: &AtomicBool) -> Result<Summary, Failure> {
     let options = Options {
         overrides: asked.scene.sets.clone(),
         threads: pool::threads(asked.threads),
@@ -71,10 +87,7 @@ fn one(opened: &Opened, out: PathBuf, asked: &RunOptions, stop: &AtomicBool) -> 
     if !asked.quiet {
         print(&summary, &options.out, &page);
     }
-    Ok(summary
-        .failures()
-        .map(|claim| format!("{}: expected {}, measured {}", claim.name, claim.expected, claim.measured))
-        .collect())
+    Ok(summary)
 }
 
 /// The command that continues an interrupted one.

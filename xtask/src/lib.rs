@@ -24,6 +24,7 @@ mod pool;
 mod predict;
 mod regress;
 mod show;
+mod table;
 mod terminal;
 mod tradeoff;
 mod verify;
@@ -47,6 +48,7 @@ pub fn main_with(args: impl IntoIterator<Item = impl Into<OsString> + Clone>, st
     let outcome = match line.command {
         Command::List => list::list(),
         Command::Figure(asked) => figure::figure(&asked, stop),
+        Command::Table(asked) => table::table(&asked, stop),
         Command::Run(asked) => figure::run(&asked, stop),
         Command::Check(asked) => check::check(&asked),
         Command::Verify(asked) => verify::verify(&asked),

@@ -195,9 +195,10 @@ impl<T: Real, const D: usize, const K: usize, const N: usize> Load<'_, T, D, K, 
     /// Planes `low..high`, in parallel; `out` begins at slot `base`.
     fn halve(&self, low: usize, high: usize, out: [&mut [T]; N], base: usize) {
         if high - low <= SLAB {
+            let mut ring = Ring::new();
             vectorised(
                 #[inline(always)]
-                || self.slab(low, high, out, base),
+                || self.slab(low, high, out, base, &mut ring),
             );
             return;
         }
@@ -208,10 +209,9 @@ impl<T: Real, const D: usize, const K: usize, const N: usize> Load<'_, T, D, K, 
     }
 
     #[inline(always)]
-    fn slab(&self, low: usize, high: usize, out: [&mut [T]; N], base: usize) {
+    fn slab(&self, low: usize, high: usize, out: [&mut [T]; N], base: usize, ring: &mut Ring<T, D>) {
         let cells = self.carry.layout.cells();
         let rows = if D == 3 { self.lattices.iter().map(|l| l.region.high[1]).max().unwrap_or(0) } else { 1 };
-        let mut ring = Ring::<T, D>::REST;
         for j in (0..rows).step_by(STRIP) {
             for x in (0..cells[0]).step_by(TILE) {
                 let tile = Tile { x, width: TILE.min(cells[0] - x), j, rows: STRIP.min(rows - j) };
@@ -220,7 +220,7 @@ impl<T: Real, const D: usize, const K: usize, const N: usize> Load<'_, T, D, K, 
                     ring.trace(self.carry, &self.u, self.ratio, tile, k as i64);
                     for j in j..j + tile.rows {
                         for l in 0..N {
-                            self.row(l, &ring, tile, [j, k], out[l], base);
+                            self.row(l, ring, tile, [j, k], out[l], base);
                         }
                     }
                 }

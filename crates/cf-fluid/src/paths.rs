@@ -29,11 +29,14 @@ pub(crate) struct Tile {
     pub rows: usize,
 }
 
-/// Displacements of the cells of two planes.
-pub(crate) struct Ring<T, const D: usize>([[Row<T, D>; STRIP + 1]; 2]);
+/// Displacements of the cells of two planes: half a megabyte, too much for the stack of a thread.
+pub(crate) struct Ring<T, const D: usize>([Vec<Row<T, D>>; 2]);
 
 impl<T: Real, const D: usize> Ring<T, D> {
-    pub const REST: Self = Self([[[[T::ZERO; ROOM]; D]; STRIP + 1]; 2]);
+    pub fn new() -> Self {
+        let plane = || vec![[[T::ZERO; ROOM]; D]; STRIP + 1];
+        Self([plane(), plane()])
+    }
 
     /// Traces the cells of plane `k`, in place of the plane before the last; planes and rows may lie beyond the box.
     #[inline(always)]

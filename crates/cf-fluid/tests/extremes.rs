@@ -182,3 +182,14 @@ fn a_cell_value_moves_with_the_stream() {
         });
     }
 }
+
+#[test]
+fn a_small_stack_is_enough() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).stack_size(512 << 10).build().unwrap();
+    let courant = pool.install(|| {
+        let mut fluid = flow::<f64, 3>([24, 20, 80], Sides::periodic(), None, Scheme::Cnp);
+        fluid.set_velocity(&random_faces(fluid.grid().layout(), 1)).unwrap();
+        fluid.step(fluid.dt_for(0.5)).unwrap().courant
+    });
+    assert!((courant - 0.5).abs() < 1e-9);
+}

@@ -114,7 +114,7 @@ fn bad_input_is_exit_2_and_writes_nothing() {
         }
     }
     let lines: [&[&str]; 9] = [
-        &["figure", "5", "--out", &out],
+        &["figure", "7", "--out", &out],
         &["figure", "77", "--out", &out],
         &["figure", "3", "--preset", "huge", "--out", &out],
         &["run", &good, "--set", "model.law.tua=4", "--out", &out],

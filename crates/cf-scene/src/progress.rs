@@ -45,3 +45,14 @@ impl Watch for Silent {
     }
     fn note(&mut self, _: &str) {}
 }
+
+/// Stops after so many steps in all, for programs that run in portions.
+pub struct StopAfter(pub u64);
+
+impl Watch for StopAfter {
+    fn step(&mut self, _: Progress<'_>) -> Wish {
+        self.0 = self.0.saturating_sub(1);
+        if self.0 == 0 { Wish::Stop } else { Wish::Continue }
+    }
+    fn note(&mut self, _: &str) {}
+}

@@ -1,6 +1,6 @@
 //! Scenes whose fluid is solved for: runs, checkpoints, masks, knobs, and what is refused.
 
-use cf_scene::progress::{Progress, Silent, Watch, Wish};
+use cf_scene::progress::{Silent, StopAfter};
 use cf_scene::summary::{RunSummary, Summary};
 use cf_scene::{Experiment, Limits, Options, RunError, SceneFile, Set, perform};
 use std::path::Path;
@@ -67,16 +67,6 @@ fn numbers(summary: &Summary) -> String {
         )
     };
     summary.runs.iter().map(one).collect::<Vec<_>>().join("\n")
-}
-
-struct StopAfter(u64);
-
-impl Watch for StopAfter {
-    fn step(&mut self, _: Progress<'_>) -> Wish {
-        self.0 = self.0.saturating_sub(1);
-        if self.0 == 0 { Wish::Stop } else { Wish::Continue }
-    }
-    fn note(&mut self, _: &str) {}
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Small scenes from text to results: files, claims, stopping and going on, threads.
 
-use cf_scene::progress::{Progress, Silent, Watch, Wish};
+use cf_scene::progress::{Silent, StopAfter};
 use cf_scene::summary::Summary;
 use cf_scene::{Experiment, Failure, Limits, Options, RunError, SceneFile, Set, TimeStep, perform};
 use std::path::Path;
@@ -53,17 +53,6 @@ fn numbers(summary: &Summary) -> String {
     };
     let claim = |claim: &cf_scene::summary::ClaimResult| format!("{} {} {:?}", claim.name, claim.measured, claim.value);
     summary.runs.iter().map(run).chain(summary.claims.iter().map(claim)).collect::<Vec<_>>().join("\n")
-}
-
-/// Stops after some steps in all.
-struct StopAfter(u64);
-
-impl Watch for StopAfter {
-    fn step(&mut self, _: Progress<'_>) -> Wish {
-        self.0 = self.0.saturating_sub(1);
-        if self.0 == 0 { Wish::Stop } else { Wish::Continue }
-    }
-    fn note(&mut self, _: &str) {}
 }
 
 #[test]

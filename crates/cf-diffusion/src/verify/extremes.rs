@@ -35,37 +35,58 @@ impl fmt::Display for Corner {
     }
 }
 
-/// A corner's random case, in any precision and dimension. The result is in units of what is allowed.
-pub(super) trait Check {
+/// A random case, in any precision and dimension. The result is in units of what is allowed.
+pub trait Check {
+    /// What is at its edge.
     const NAME: &'static str;
+    /// What is expected.
     const EXPECTED: &'static str;
+    /// One case.
     fn run<T: Precise, const D: usize>(random: &mut Random) -> Measured;
 }
 
-fn one<C: Check>(seed: u64) -> Measured {
-    let mut random = Random(seed);
-    match random.below(4) {
-        0 => C::run::<f32, 2>(&mut random),
-        1 => C::run::<f32, 3>(&mut random),
-        2 => C::run::<f64, 2>(&mut random),
-        _ => C::run::<f64, 3>(&mut random),
+/// A [`Check`] in `f32` and `f64`, in two and three dimensions.
+#[derive(Clone, Copy)]
+pub struct Edge {
+    name: &'static str,
+    expected: &'static str,
+    kinds: [fn(&mut Random) -> Measured; 4],
+}
+
+impl Edge {
+    /// That of a check.
+    pub const fn of<C: Check>() -> Self {
+        let kinds = [C::run::<f32, 2>, C::run::<f32, 3>, C::run::<f64, 2>, C::run::<f64, 3>];
+        Self { name: C::NAME, expected: C::EXPECTED, kinds }
+    }
+
+    fn case(&self, seed: u64) -> Measured {
+        let mut random = Random(seed);
+        self.kinds[random.below(4)](&mut random)
+    }
+
+    /// Runs `count` cases in all at `edges`, the same for the same `seed`.
+    pub fn run_all(edges: &[Edge], count: usize, seed: u64) -> Vec<Corner> {
+        let each = count.div_ceil(edges.len().max(1));
+        let mut seeds = Random(seed);
+        edges.iter().map(|edge| Corner::of(edge, each, &mut seeds)).collect()
+    }
+
+    /// Runs one case of a corner again; `None` if there is no corner of that name.
+    pub fn repeat(edges: &[Edge], name: &str, seed: u64) -> Option<Measured> {
+        edges.iter().find(|edge| edge.name == name).map(|edge| edge.case(seed))
     }
 }
 
 impl Corner {
-    /// Runs `cases` cases with seeds drawn from `seeds`; each returns what it found in units of what is allowed.
-    pub fn of(
-        name: &'static str,
-        expected: &'static str,
-        cases: usize,
-        seeds: &mut Random,
-        case: impl Fn(u64) -> Measured,
-    ) -> Self {
+    /// Runs `cases` cases with seeds drawn from `seeds`.
+    fn of(edge: &Edge, cases: usize, seeds: &mut Random) -> Self {
+        let Edge { name, expected, .. } = *edge;
         let mut all =
             Self { name, expected, cases, worst: f64::NEG_INFINITY, seed: 0, pass: true, note: String::new() };
         for _ in 0..cases {
             let seed = seeds.bits();
-            let (found, note) = match case(seed) {
+            let (found, note) = match edge.case(seed) {
                 Ok(found) => (found, String::new()),
                 Err(why) => (f64::INFINITY, why.to_string()),
             };
@@ -81,46 +102,33 @@ impl Corner {
     }
 }
 
-macro_rules! corners {
-    ($($name:ident),+ $(,)?) => {
-        /// Runs `count` cases in all, the same for the same `seed`.
-        pub fn extremes(count: usize, seed: u64) -> Vec<Corner> {
-            let kinds = [$(corners::$name::NAME),+].len();
-            let each = count.div_ceil(kinds);
-            let mut seeds = Random(seed);
-            vec![$({
-                type Kind = corners::$name;
-                Corner::of(Kind::NAME, Kind::EXPECTED, each, &mut seeds, one::<Kind>)
-            }),+]
-        }
+const EDGES: [Edge; 18] = [
+    Edge::of::<corners::Relaxation>(),
+    Edge::of::<corners::Step>(),
+    Edge::of::<corners::Share>(),
+    Edge::of::<corners::Diffusivity>(),
+    Edge::of::<corners::Spacing>(),
+    Edge::of::<corners::Amplitude>(),
+    Edge::of::<corners::Offset>(),
+    Edge::of::<corners::Transport>(),
+    Edge::of::<corners::Pockets>(),
+    Edge::of::<corners::Walls>(),
+    Edge::of::<corners::Input>(),
+    Edge::of::<corners::Explicit>(),
+    Edge::of::<corners::Stiffness>(),
+    Edge::of::<corners::Residual>(),
+    Edge::of::<corners::LongRun>(),
+    Edge::of::<corners::Single>(),
+    Edge::of::<corners::Budget>(),
+    Edge::of::<corners::Fronts>(),
+];
 
-        /// Runs one case of a corner again; `None` if there is no corner of that name.
-        pub fn repeat(name: &str, seed: u64) -> Option<Measured> {
-            $(if name == corners::$name::NAME {
-                return Some(one::<corners::$name>(seed));
-            })+
-            None
-        }
-    };
+/// Runs `count` cases in all, the same for the same `seed`.
+pub fn extremes(count: usize, seed: u64) -> Vec<Corner> {
+    Edge::run_all(&EDGES, count, seed)
 }
 
-corners!(
-    Relaxation,
-    Step,
-    Share,
-    Diffusivity,
-    Spacing,
-    Amplitude,
-    Offset,
-    Transport,
-    Pockets,
-    Walls,
-    Input,
-    Explicit,
-    Stiffness,
-    Residual,
-    LongRun,
-    Single,
-    Budget,
-    Fronts,
-);
+/// Runs one case of a corner again; `None` if there is no corner of that name.
+pub fn repeat(name: &str, seed: u64) -> Option<Measured> {
+    Edge::repeat(&EDGES, name, seed)
+}

@@ -27,7 +27,7 @@ pub use amplification::{Precise, amplification, one_step_error};
 pub use case::{Case, Kinds};
 pub use conservation::conservation;
 pub use dense::dense_step;
-pub use extremes::{Corner, extremes, repeat};
+pub use extremes::{Check, Corner, Edge, extremes, repeat};
 pub use iterations::iterations;
 pub use orders::orders;
 pub use random::Random;

@@ -2,7 +2,7 @@
 
 use std::array::from_fn;
 
-use cf_diffusion::verify::{Corner, Measured, Precise, Random};
+use cf_diffusion::verify::{Check, Corner, Edge, Measured, Precise, Random};
 use cf_diffusion::{Diffusion, Law, Settings, State};
 use cf_grid::{Grid, Mask, Sides, Wall};
 
@@ -15,13 +15,6 @@ use crate::settings::{FlowReport, FlowSettings, Scheme};
 use crate::shape::Shape;
 use crate::wall::FlowWall;
 
-/// A random case in any precision and dimension; what it found in units of what is allowed.
-trait Check {
-    const NAME: &'static str;
-    const EXPECTED: &'static str;
-    fn run<T: Precise, const D: usize>(random: &mut Random) -> Measured;
-}
-
 /// Steps of any length.
 struct Courant;
 /// Energy in closed and periodic boxes.
@@ -33,36 +26,18 @@ struct Jets;
 /// The mass that a flow with a remaining divergence carries.
 struct Carried;
 
-fn one<C: Check>(seed: u64) -> Measured {
-    let mut random = Random(seed);
-    match random.below(4) {
-        0 => C::run::<f32, 2>(&mut random),
-        1 => C::run::<f32, 3>(&mut random),
-        2 => C::run::<f64, 2>(&mut random),
-        _ => C::run::<f64, 3>(&mut random),
-    }
+const EDGES: [Edge; 5] =
+    [Edge::of::<Courant>(), Edge::of::<Energy>(), Edge::of::<Solids>(), Edge::of::<Jets>(), Edge::of::<Carried>()];
+
+/// Runs `count` cases in all, the same for the same `seed`.
+pub fn extremes(count: usize, seed: u64) -> Vec<Corner> {
+    Edge::run_all(&EDGES, count, seed)
 }
 
-macro_rules! corners {
-    ($($kind:ident),+ $(,)?) => {
-        /// Runs `count` cases in all, the same for the same `seed`.
-        pub fn extremes(count: usize, seed: u64) -> Vec<Corner> {
-            let each = count.div_ceil([$($kind::NAME),+].len());
-            let mut seeds = Random(seed);
-            vec![$(Corner::of($kind::NAME, $kind::EXPECTED, each, &mut seeds, one::<$kind>)),+]
-        }
-
-        /// Runs one case of a corner again; `None` if there is no corner of that name.
-        pub fn repeat(name: &str, seed: u64) -> Option<Measured> {
-            $(if name == $kind::NAME {
-                return Some(one::<$kind>(seed));
-            })+
-            None
-        }
-    };
+/// Runs one case of a corner again; `None` if there is no corner of that name.
+pub fn repeat(name: &str, seed: u64) -> Option<Measured> {
+    Edge::repeat(&EDGES, name, seed)
 }
-
-corners!(Courant, Energy, Solids, Jets, Carried);
 
 fn random_grid<const D: usize>(random: &mut Random) -> Measured<Grid<D>> {
     let most = if D == 2 { 18 } else { 9 };

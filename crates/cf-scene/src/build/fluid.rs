@@ -5,7 +5,7 @@ use super::stepper::{Domain, settings};
 use crate::model::{FlowStep, Number, StepFailure, Values, ValuesMut};
 use crate::pace::Pace;
 use crate::scene::{self, Numerics};
-use crate::spec::{self, FlowScheme, Grip, Precision};
+use crate::spec::{self, FlowScheme, Grip};
 use crate::stopwatch::Stopwatch;
 use crate::summary::HcSummary;
 use cf_diffusion::{Diffusion, Source, State, StepReport};
@@ -179,10 +179,7 @@ fn flow_settings<const D: usize>(spec: &scene::Fluid, numerics: &Numerics) -> Re
             FlowScheme::CentralRk4 => Scheme::CentralRk4,
         },
         eta_div: numerics.eta_div,
-        precision: match numerics.precision {
-            Precision::Mixed => cf_linear::Precision::Single,
-            Precision::F32 | Precision::F64 => cf_linear::Precision::Full,
-        },
+        precision: numerics.precision.cycles(),
         force: array(&spec.force)?,
         buoyancy,
         ..FlowSettings::default()

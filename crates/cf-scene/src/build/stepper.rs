@@ -6,7 +6,7 @@ use super::fluid::Carried;
 use crate::model::{FlowStep, Number, StepFailure, Values, ValuesMut};
 use crate::pace::Pace;
 use crate::scene::{self, Numerics};
-use crate::spec::{self, Flow, Precision, Solver};
+use crate::spec::{self, Flow, Solver};
 use crate::stopwatch::Stopwatch;
 use crate::summary::HcSummary;
 use cf_diffusion::front::{Front, FrontState};
@@ -325,10 +325,7 @@ pub(super) fn settings(numerics: &Numerics, pace: &Pace) -> Settings {
             spec::Splitting::Lie => Splitting::Paper,
         },
         tolerance: numerics.tolerance,
-        precision: match numerics.precision {
-            Precision::Mixed => cf_linear::Precision::Single,
-            Precision::F32 | Precision::F64 => cf_linear::Precision::Full,
-        },
+        precision: numerics.precision.cycles(),
         plan: match numerics.solver {
             Solver::Auto => None,
             Solver::Multigrid => Some(Plan::Multigrid),

@@ -105,6 +105,16 @@ pub enum Precision {
     F64,
 }
 
+impl Precision {
+    /// Of the V-cycles.
+    pub(crate) fn cycles(self) -> cf_linear::Precision {
+        match self {
+            Precision::Mixed => cf_linear::Precision::Single,
+            Precision::F32 | Precision::F64 => cf_linear::Precision::Full,
+        }
+    }
+}
+
 /// How a solved fluid is stepped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum FlowScheme {

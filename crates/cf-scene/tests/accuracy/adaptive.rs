@@ -1,7 +1,7 @@
 //! Adaptive steps in scenes, and the estimates of the error in summaries.
 
 use super::{Ran, WAKE, unfold};
-use cf_scene::progress::{Progress, Silent, Watch, Wish};
+use cf_scene::progress::{Silent, StopAfter};
 use cf_scene::summary::Summary;
 use cf_scene::{Options, RunError, perform};
 
@@ -59,16 +59,6 @@ fn a_source_that_begins_late_makes_steps_again() {
     assert!(ran.run().rejections > 0 && ran.run().dt[1] > 4.0 * ran.run().dt[0], "{:?}", ran.run().dt);
     let counted = 2 * (ran.run().steps + ran.run().rejections) as usize;
     assert_eq!(ran.run().iterations.solves, counted);
-}
-
-struct StopAfter(u64);
-
-impl Watch for StopAfter {
-    fn step(&mut self, _: Progress<'_>) -> Wish {
-        self.0 = self.0.saturating_sub(1);
-        if self.0 == 0 { Wish::Stop } else { Wish::Continue }
-    }
-    fn note(&mut self, _: &str) {}
 }
 
 fn numbers(summary: &Summary) -> String {

@@ -117,7 +117,7 @@ fn pictures(folder: &Path, frames: &[(f64, Plane)]) -> Result<(), OutputError> {
     contact_sheet(&sheet, 3, Some(&bar), Theme::Light).write_png(&folder.join("sheet.png"))?;
     write_animation(&folder.join("animation.png"), frames.len() as u32, 4.0, Theme::Light, |n| {
         let (t, plane) = &frames[n as usize];
-        draw(plane, &style(*t))
+        Ok(draw(plane, &style(*t)))
     })?;
     let n = 48;
     let swirl = Array::per_cell("w", [n, n, n], |[i, j, k]| {

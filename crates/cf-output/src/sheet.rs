@@ -38,25 +38,26 @@ pub fn contact_sheet(pictures: &[(Canvas, String)], columns: usize, bar: Option<
 
 /// Writes an animated PNG that loops, one frame in memory at a time. Programs that do not animate show the first frame.
 ///
-/// `draw` is called with 0, 1, … `frames - 1`. All frames take the size of the first: fix the colour range
+/// `draw` is called with 0, 1, … `frames - 1`; where it fails, there is no file. All frames take the size of the first: fix the colour range
 /// ([`ColorRange::Fixed`](crate::ColorRange)) so that labels, and with them sizes, stay the same.
 ///
 /// # Errors
-/// [`OutputError::Request`] for no frames or a rate outside 0.1 to 1000 per second, else as
+/// [`OutputError::Request`] for no frames or a rate outside 0.1 to 1000 per second, what `draw` returns, else as
 /// [`write_atomic`].
 pub fn write_animation(
     path: &Path,
     frames: u32,
     per_second: f64,
     theme: Theme,
-    mut draw: impl FnMut(u32) -> Canvas,
+    mut draw: impl FnMut(u32) -> Result<Canvas, OutputError>,
 ) -> Result<(), OutputError> {
     if frames == 0 || !(0.1..=1000.0).contains(&per_second) {
         let reason = format!("{frames} frames at {per_second} per second; give at least one, at 0.1 to 1000");
         return Err(OutputError::request("animation", reason));
     }
-    let first = draw(0);
-    write_atomic(path, |sink| {
+    let first = draw(0)?;
+    let mut failure = None;
+    let written = write_atomic(path, |sink| {
         let mut encoder = png::Encoder::new(sink, first.width() as u32, first.height() as u32);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
@@ -66,11 +67,17 @@ pub fn write_animation(
         writer.write_image_data(first.pixels())?;
         for n in 1..frames {
             let mut frame = Canvas::new(first.width(), first.height(), theme.background());
-            frame.paste(&draw(n), 0, 0);
+            let drawn = draw(n).map_err(|error| {
+                failure = Some(error);
+                std::io::Error::other("a frame cannot be drawn")
+            })?;
+            frame.paste(&drawn, 0, 0);
             writer.write_image_data(frame.pixels())?;
         }
         Ok(writer.finish()?)
-    })
+    });
+    // Why a frame failed says more than that the file did.
+    failure.map_or(written, Err)
 }
 
 #[cfg(test)]
@@ -96,7 +103,7 @@ mod tests {
     fn an_animation_has_all_its_frames() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.png");
-        write_animation(&path, 3, 10.0, Theme::Light, |n| flat([20 + n as usize, 10], 50 * n as u8)).unwrap();
+        write_animation(&path, 3, 10.0, Theme::Light, |n| Ok(flat([20 + n as usize, 10], 50 * n as u8))).unwrap();
         let file = std::io::BufReader::new(std::fs::File::open(&path).unwrap());
         let mut reader = png::Decoder::new(file).read_info().unwrap();
         assert_eq!(reader.info().animation_control().unwrap().num_frames, 3);
@@ -105,7 +112,11 @@ mod tests {
             reader.next_frame(&mut pixels).unwrap();
             assert_eq!(pixels[0], 50 * n);
         }
-        assert!(write_animation(&path, 0, 10.0, Theme::Light, |_| flat([1, 1], 0)).is_err());
-        assert!(write_animation(&path, 1, f64::NAN, Theme::Light, |_| flat([1, 1], 0)).is_err());
+        assert!(write_animation(&path, 0, 10.0, Theme::Light, |_| Ok(flat([1, 1], 0))).is_err());
+        assert!(write_animation(&path, 1, f64::NAN, Theme::Light, |_| Ok(flat([1, 1], 0))).is_err());
+        let broken = dir.path().join("broken.png");
+        let lost = |n| if n < 2 { Ok(flat([1, 1], 0)) } else { Err(OutputError::request("frame", "lost")) };
+        let error = write_animation(&broken, 3, 10.0, Theme::Light, lost).unwrap_err();
+        assert!(error.to_string().contains("lost") && !broken.exists(), "{error}");
     }
 }

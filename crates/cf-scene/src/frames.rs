@@ -8,7 +8,7 @@ use crate::scene::Scene;
 use crate::spec::{Output, Pictures};
 use crate::spool::Spool;
 use crate::view::View;
-use cf_output::{Canvas, Image, Manifest, OutputError, Series, Theme, write_animation, write_image, write_text};
+use cf_output::{Image, Manifest, OutputError, Series, Theme, write_animation, write_image, write_text};
 use std::path::{Path, PathBuf};
 
 /// Pictures per second of an animation.
@@ -119,17 +119,9 @@ impl<'a> Frames<'a> {
         if let Some(mut clouds) = self.clouds.take() {
             let name = format!("{run}_cloud_animation.png");
             if clouds.records() == ledger.rows.len() && clouds.records() > 0 {
-                let mut failure = None;
                 write_animation(&self.path(&name), clouds.records() as u32, RATE, Theme::Light, |n| {
-                    clouds.get(n as usize).map_or_else(
-                        |error| {
-                            failure.get_or_insert(error);
-                            blank()
-                        },
-                        |numbers| cloud::unpack(&numbers),
-                    )
+                    Ok(cloud::unpack(&clouds.get(n as usize)?))
                 })?;
-                failure.map_or(Ok(()), Err)?;
                 ledger.files.push(name);
             }
             clouds.remove()?;
@@ -147,41 +139,29 @@ impl<'a> Frames<'a> {
             Pictures::Linear { low, high } | Pictures::Log { low, high } => [low, high],
             Pictures::Off | Pictures::Auto => pictures::span(low, high),
         };
-        let mut failure = None;
         let mut files = Vec::new();
         let animation = format!("{}_animation.png", self.scene.run);
         write_animation(&self.path(&animation), count as u32, RATE, Theme::Light, |n| {
-            let Some(row) = ledger.rows.get(n as usize) else { return blank() };
-            let one = || -> Result<Canvas, OutputError> {
-                let values = spool.get(n as usize)?;
-                let picture = match &self.view {
-                    Some(view) => pictures::frame(self.scene, view, scale, row.time, &values)?,
-                    None => pictures::line(self.scene, span, row.time, &values),
-                };
-                let name = self.name(row.frame, "png");
-                picture.write_png(&self.path(&name))?;
-                files.push(name);
-                Ok(picture)
+            let row = &ledger.rows[n as usize];
+            let values = spool.get(n as usize)?;
+            let picture = match &self.view {
+                Some(view) => pictures::frame(self.scene, view, scale, row.time, &values)?,
+                None => pictures::line(self.scene, span, row.time, &values),
             };
-            let mut one = one;
-            one().unwrap_or_else(|error| {
-                failure.get_or_insert(error);
-                blank()
-            })
+            let name = self.name(row.frame, "png");
+            picture.write_png(&self.path(&name))?;
+            files.push(name);
+            Ok(picture)
         })?;
         ledger.files.append(&mut files);
         ledger.files.push(animation);
-        failure.map_or(Ok(()), Err)
+        Ok(())
     }
 }
 
 /// What pictures show of a model.
 pub(crate) fn last(view: Option<&View>, model: &dyn Model) -> Vec<f64> {
     view.map_or_else(|| model.phi(), |view| model.layer(view.slice))
-}
-
-fn blank() -> Canvas {
-    Canvas::new(1, 1, [255; 3])
 }
 
 /// One record as the manifest writes it.

@@ -15,7 +15,7 @@
 mod conductances;
 mod update;
 
-use cf_grid::{CellField, End, Max, Real, Wall, row_sum};
+use cf_grid::{CellField, End, Max, Pool, Real, Wall, row_sum};
 use cf_linear::{Choice, Deviation, Helmholtz, Options, Plan, Precision, SolveError, Solver, Statistics, Stop};
 
 use crate::coefficients::Coefficients;
@@ -61,12 +61,13 @@ pub(crate) struct Implicit<T, const D: usize> {
     precision: Precision,
     plan: Option<Plan>,
     tolerance: f64,
+    pool: Pool<T>,
 }
 
 impl<T: Real, const D: usize> Implicit<T, D> {
-    pub fn new(walls: &Walls<T, D>, h: f64, tolerance: f64, precision: Precision, plan: Option<Plan>) -> Self {
-        let field = || CellField::new(&walls.layout);
-        Self { h, rhs: field(), y: field(), solver: None, precision, plan, tolerance }
+    pub fn new(h: f64, tolerance: f64, precision: Precision, plan: Option<Plan>, pool: Pool<T>) -> Self {
+        let [rhs, y] = Default::default();
+        Self { h, rhs, y, solver: None, precision, plan, tolerance, pool }
     }
 
     pub fn bytes(&self) -> usize {
@@ -80,6 +81,21 @@ impl<T: Real, const D: usize> Implicit<T, D> {
     /// One backward Euler stage; the state moves `stretch` times as far as the stage's result: 1 for backward Euler,
     /// 1 + sqrt 2 for the first stage of SDIRK2, whose outcome is the start of the second.
     pub fn stage(
+        &mut self,
+        walls: &Walls<T, D>,
+        law: &Law,
+        state: &mut State<T, D>,
+        source: Source<'_, T>,
+        dt: f64,
+        stretch: f64,
+    ) -> Result<Moved, StepError> {
+        self.pool.fetch(&walls.layout, [&mut self.rhs, &mut self.y]);
+        let moved = self.stage_here(walls, law, state, source, dt, stretch);
+        self.pool.release([&mut self.rhs, &mut self.y]);
+        moved
+    }
+
+    fn stage_here(
         &mut self,
         walls: &Walls<T, D>,
         law: &Law,
@@ -228,7 +244,9 @@ impl<T: Real, const D: usize> Implicit<T, D> {
             reduction: self.tolerance.clamp(1e-14, 0.1),
             ..Options::default()
         };
-        self.solver = Some((dt, Solver::new(&operator, options)?));
+        let mut solver = Solver::new(&operator, options)?;
+        solver.share(&self.pool);
+        self.solver = Some((dt, solver));
         Ok(())
     }
 }

@@ -1,6 +1,6 @@
 //! One time step: transport by the medium, diffusion, sources, in the order of the chosen splitting.
 
-use cf_grid::{Grid, Mask, Real, Sides, Wall, once};
+use cf_grid::{Grid, Mask, Pool, Real, Sides, Wall, once};
 use cf_linear::{Choice, Plan, Precision};
 
 use crate::advect::{Advection, Advector};
@@ -125,6 +125,7 @@ pub struct Diffusion<T, const D: usize> {
     advector: Option<Advector<T, D>>,
     balance: Balance,
     embedded: Option<Embedded<T, D>>,
+    pool: Pool<T>,
 }
 
 impl<T: Real, const D: usize> Diffusion<T, D> {
@@ -162,7 +163,7 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         }
         let walls = Walls::new(grid.layout(), sides, mask);
         let implicit = (settings.integrator != Integrator::Kdk)
-            .then(|| Implicit::new(&walls, grid.h(), settings.tolerance, settings.precision, settings.plan));
+            .then(|| Implicit::new(grid.h(), settings.tolerance, settings.precision, settings.plan, Pool::default()));
         Ok(Self {
             grid: *grid,
             law,
@@ -172,7 +173,21 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
             advector: None,
             balance: Balance::default(),
             embedded: None,
+            pool: Pool::default(),
         })
+    }
+
+    /// From now on scratch comes from `pool` and goes back to it within each step, so that others can use it between.
+    pub fn share(&mut self, pool: &Pool<T>) {
+        self.pool = pool.clone();
+        let settings = &self.settings;
+        if let Some(implicit) = &mut self.implicit {
+            *implicit =
+                Implicit::new(self.grid.h(), settings.tolerance, settings.precision, settings.plan, pool.clone());
+        }
+        if let Some(advector) = &mut self.advector {
+            advector.share(pool);
+        }
     }
 
     /// The law.
@@ -205,7 +220,7 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         self.implicit.as_ref().and_then(Implicit::choice)
     }
 
-    /// Bytes of scratch, solver and transport held now.
+    /// Bytes of scratch, solver and transport held now; what is in a shared pool does not count.
     pub fn bytes(&self) -> usize {
         let open = self.walls.open.as_ref().map_or(0, |o| o.bytes());
         let mask = self.walls.mask.as_ref().map_or(0, |m| m.fluid().len());
@@ -257,8 +272,12 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
     }
 
     fn transport(&mut self) -> &mut Advector<T, D> {
-        let (grid, walls, method) = (&self.grid, &self.walls, self.settings.advection);
-        self.advector.get_or_insert_with(|| Advector::new(grid, &walls.sides, walls.mask.as_ref(), method))
+        let (grid, walls, method, pool) = (&self.grid, &self.walls, self.settings.advection, &self.pool);
+        self.advector.get_or_insert_with(|| {
+            let mut advector = Advector::new(grid, &walls.sides, walls.mask.as_ref(), method);
+            advector.share(pool);
+            advector
+        })
     }
 
     /// Advances `state` by `dt` \[s\] in `medium`. `dt` = 0 changes nothing.

@@ -12,7 +12,7 @@
 //! Buoyancy acts with phi of the start and of the end of the step, half each.
 
 use cf_diffusion::{Diffusion, Observer, Source, State, StepReport};
-use cf_grid::{CellField, Real};
+use cf_grid::{CellField, Pool, Real};
 
 use crate::emit::{Emission, Emitter};
 use crate::error::FlowError;
@@ -30,6 +30,8 @@ pub struct Coupled<T, const D: usize> {
     /// Shares of the step for which `rate` was made.
     shares: Vec<f64>,
     time: f64,
+    /// Scratch of both, which take turns.
+    pool: Pool<T>,
 }
 
 /// What a coupled step did.
@@ -46,7 +48,11 @@ pub struct CoupledReport {
 impl<T: Real, const D: usize> Coupled<T, D> {
     /// Couples a flow with a diffusion stepper on the same grid, with the same obstacles. The emitters' jets belong to the fluid,
     /// [`Fluid::with_emitters`](crate::Fluid::with_emitters); here they emit phi.
-    pub fn new(flow: Flow<T, D>, diffusion: Diffusion<T, D>, emitters: &[Emitter<D>]) -> Result<Self, FlowError> {
+    pub fn new(
+        mut flow: Flow<T, D>,
+        mut diffusion: Diffusion<T, D>,
+        emitters: &[Emitter<D>],
+    ) -> Result<Self, FlowError> {
         emitters.iter().try_for_each(Emitter::check)?;
         if let Some(fluid) = flow.fluid() {
             let (expected, found) = (diffusion.grid().layout().slots(), fluid.grid().layout().slots());
@@ -60,7 +66,13 @@ impl<T: Real, const D: usize> Coupled<T, D> {
         }
         let rates = emitters.iter().any(|e| matches!(e.emission, Some(Emission::Rate(_))));
         let rate = rates.then(|| CellField::new(diffusion.grid().layout()));
-        Ok(Self { flow, diffusion, emitters: emitters.to_vec(), rate, shares: Vec::new(), time: 0.0 })
+        let mut pool = Pool::default();
+        if let Flow::Solved(fluid) = &mut flow {
+            pool = Pool::new();
+            fluid.share(&pool);
+            diffusion.share(&pool);
+        }
+        Ok(Self { flow, diffusion, emitters: emitters.to_vec(), rate, shares: Vec::new(), time: 0.0, pool })
     }
 
     /// Time \[s\].
@@ -83,7 +95,7 @@ impl<T: Real, const D: usize> Coupled<T, D> {
 
     /// Bytes of flow, diffusion and sources.
     pub fn bytes(&self) -> usize {
-        self.flow.bytes() + self.diffusion.bytes() + self.rate.as_ref().map_or(0, CellField::bytes)
+        self.flow.bytes() + self.diffusion.bytes() + self.pool.bytes() + self.rate.as_ref().map_or(0, CellField::bytes)
     }
 
     /// Advances flow and `state` by `dt` \[s\].

@@ -1,7 +1,7 @@
 //! The flow: velocity, pressure and the two halves of a step.
 
 use cf_diffusion::Medium;
-use cf_grid::{CellField, FaceField, Grid, Layout, Mask, Real, Sides, once};
+use cf_grid::{CellField, FaceField, Grid, Layout, Mask, Pool, Real, Sides, once};
 
 use crate::calculus::max_speed;
 use crate::carry::Carry;
@@ -18,7 +18,8 @@ use crate::wall::FlowWall;
 /// A step has two halves, between which a quantity can be carried by the velocity of the middle of the step:
 /// [`begin`](Self::begin) gives that velocity, [`finish`](Self::finish) ends the step; [`step`](Self::step) is both.
 ///
-/// Memory: three velocities, two or three scalars for pressures, two for a solve, and the solver.
+/// Memory: three velocities, one to three scalars for pressures, two for a solve, and the solver; those of the solve and
+/// the solver's vectors can be [shared](Self::share).
 pub struct Fluid<T, const D: usize> {
     pub(crate) grid: Grid<D>,
     pub(crate) settings: FlowSettings<D>,
@@ -32,7 +33,7 @@ pub struct Fluid<T, const D: usize> {
     pub(crate) next: FaceField<T, D>,
     /// p/(rho h) \[m/s²\]: the gradient that [`Scheme::Cnp`] carries.
     pub(crate) pressure: Option<CellField<T>>,
-    /// s of the last step's projections \[m/s\], guesses for the next.
+    /// s of the last step's projections \[m/s\], guesses for the next; the second one is empty for schemes that project once.
     pub(crate) potential: [CellField<T>; 2],
     /// Stages of [`Scheme::CentralRk4`].
     pub(crate) stages: Option<[FaceField<T, D>; 2]>,
@@ -93,6 +94,7 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         let faces = || FaceField::new(layout);
         let scalar = || CellField::new(layout);
         let carries_pressure = matches!(settings.scheme, Scheme::Auto | Scheme::Cnp);
+        let projects_twice = matches!(settings.scheme, Scheme::Auto | Scheme::ReflectionExtrapolated);
         let empty = FaceField::new(&Layout::new([1; D]).map_err(|_| FlowError::Order("a grid without dimensions"))?);
         Ok(Self {
             grid: *grid,
@@ -103,7 +105,7 @@ impl<T: Real, const D: usize> Fluid<T, D> {
             before: faces(),
             next: faces(),
             pressure: carries_pressure.then(scalar),
-            potential: [scalar(), scalar()],
+            potential: [scalar(), if projects_twice { scalar() } else { CellField::default() }],
             stages: (settings.scheme == Scheme::CentralRk4).then(|| [faces(), faces()]),
             emitters: Vec::new(),
             time: 0.0,
@@ -123,6 +125,11 @@ impl<T: Real, const D: usize> Fluid<T, D> {
             self.emitters.push((*emitter, faces));
         }
         Ok(self)
+    }
+
+    /// From now on scratch comes from `pool` and goes back to it within each half of a step.
+    pub fn share(&mut self, pool: &Pool<T>) {
+        self.projection.share(pool);
     }
 
     /// Sets the velocity \[m/s\], makes it free of divergence, and forgets earlier steps.
@@ -146,6 +153,7 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         let dt = if speed > 0.0 { self.grid.h() / speed } else { 0.0 };
         let mut report = FlowReport::default();
         report.count(self.projection.project(&mut self.u, &mut self.potential[0], dt, self.settings.eta_div)?);
+        self.projection.release();
         self.history = History::default();
         Ok(report)
     }
@@ -159,17 +167,19 @@ impl<T: Real, const D: usize> Fluid<T, D> {
     }
 
     /// Between steps, every field that the next one depends on, with its rim: u and u before it along each axis, the pressure
-    /// where it is kept, the potentials of both projections. With [`memory`](Self::memory), all that a resumed run needs.
+    /// where it is kept, the potentials of all projections. With [`memory`](Self::memory), all that a resumed run needs.
     pub fn state(&self) -> Vec<&[T]> {
         let scalars = self.pressure.iter().chain(&self.potential).map(|field| &field[..]);
-        self.u.axes().into_iter().chain(self.before.axes()).chain(scalars).collect()
+        let parts = self.u.axes().into_iter().chain(self.before.axes()).chain(scalars);
+        parts.filter(|part| !part.is_empty()).collect()
     }
 
     /// The same, to be filled.
     pub fn state_mut(&mut self) -> Vec<&mut [T]> {
         self.give_back();
         let scalars = self.pressure.iter_mut().chain(&mut self.potential).map(|field| &mut field[..]);
-        self.u.axes_mut().into_iter().chain(self.before.axes_mut()).chain(scalars).collect()
+        let parts = self.u.axes_mut().into_iter().chain(self.before.axes_mut()).chain(scalars);
+        parts.filter(|part| !part.is_empty()).collect()
     }
 
     /// What the next step knows of the last one besides the fields: its length \[s\] (0: there was none), its scheme, and
@@ -233,6 +243,7 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         };
         self.stage = Some(Stage { dt, report: FlowReport { scheme, courant, ..FlowReport::default() } });
         let lent = if dt == 0.0 { Ok(Lent::Now) } else { self.first_half(scheme, dt, phi, observer) };
+        self.projection.release();
         match lent {
             Ok(lent) => self.lend(lent),
             Err(error) => {
@@ -265,7 +276,9 @@ impl<T: Real, const D: usize> Fluid<T, D> {
             return Ok(stage.report);
         }
         let mut report = stage.report;
-        if let Err(error) = self.second_half(report.scheme, stage.dt, phi, &mut report, observer) {
+        let done = self.second_half(report.scheme, stage.dt, phi, &mut report, observer);
+        self.projection.release();
+        if let Err(error) = done {
             self.history = History::default();
             return Err(error);
         }

@@ -3,7 +3,7 @@
 //! Lap_h s = div u*, u = u* - grad s, with faces open between fluid cells only. The residual of this solve is the
 //! divergence that remains, so that the solve stops on it directly, and it is measured again on the velocity itself.
 
-use cf_grid::{CellField, FaceField, Grid, Mask, Real, Sides};
+use cf_grid::{CellField, FaceField, Grid, Mask, Pool, Real, Sides};
 use cf_linear::{Choice, Helmholtz, Options, Plan, Precision, Solver, Stop};
 
 use crate::calculus::{max_speed, negative_divergence, subtract_gradient};
@@ -34,6 +34,7 @@ pub struct Projection<T, const D: usize> {
     precision: Precision,
     rhs: CellField<T>,
     step: CellField<T>,
+    pool: Pool<T>,
 }
 
 /// Solves with the residual of the last one as right-hand side, before rounding is taken for the floor.
@@ -62,8 +63,9 @@ impl<T: Real, const D: usize> Projection<T, D> {
             gates,
             mask: mask.cloned(),
             precision,
-            rhs: CellField::new(layout),
-            step: CellField::new(layout),
+            rhs: CellField::default(),
+            step: CellField::default(),
+            pool: Pool::default(),
         })
     }
 
@@ -74,6 +76,7 @@ impl<T: Real, const D: usize> Projection<T, D> {
         }
         let gates = Gates::new(self.grid.layout(), self.gates.sides(), self.mask.as_ref(), held);
         self.solver = solver(&self.grid, &gates, self.mask.as_ref(), self.precision)?;
+        self.solver.share(&self.pool);
         self.gates = gates;
         Ok(())
     }
@@ -88,9 +91,22 @@ impl<T: Real, const D: usize> Projection<T, D> {
         self.mask.as_ref()
     }
 
+    /// From now on scratch comes from `pool`; [`release`](Self::release) gives it back.
+    pub(crate) fn share(&mut self, pool: &Pool<T>) {
+        self.pool = pool.clone();
+        self.solver.share(pool);
+        (self.rhs, self.step) = Default::default();
+    }
+
     /// Two scalar arrays, idle between projections.
     pub(crate) fn scratch(&mut self) -> [&mut CellField<T>; 2] {
+        self.pool.fetch(self.grid.layout(), [&mut self.rhs, &mut self.step]);
         [&mut self.rhs, &mut self.step]
+    }
+
+    /// Gives scratch back to the pool.
+    pub(crate) fn release(&mut self) {
+        self.pool.release([&mut self.rhs, &mut self.step]);
     }
 
     /// The solver's plan, and its levels.
@@ -98,7 +114,7 @@ impl<T: Real, const D: usize> Projection<T, D> {
         (self.solver.choice(), self.solver.levels())
     }
 
-    /// Bytes held.
+    /// Bytes held, without what is in a shared pool.
     pub fn bytes(&self) -> usize {
         let mask = self.mask.as_ref().map_or(0, |m| m.fluid().len());
         self.rhs.bytes() + self.step.bytes() + self.solver.bytes() + self.gates.bytes() + mask
@@ -116,6 +132,7 @@ impl<T: Real, const D: usize> Projection<T, D> {
 
     /// max|div u| \[1/s\] over fluid cells; NaN if any velocity is not a number.
     pub fn divergence(&mut self, u: &mut FaceField<T, D>) -> f64 {
+        self.scratch();
         let fluid = self.mask.as_ref().map(Mask::fluid);
         negative_divergence(self.grid.layout(), &self.gates, fluid, u, &mut self.rhs) / self.grid.h()
     }
@@ -144,6 +161,7 @@ impl<T: Real, const D: usize> Projection<T, D> {
         if let Some(found) = lengths.into_iter().find(|&n| n != layout.slots()) {
             return Err(FlowError::Layout { what: "a projected field", expected: layout.slots(), found });
         }
+        self.scratch();
         self.gates.impose(u);
         subtract_gradient(&layout, &self.gates, 1.0, potential, u);
         let fluid = self.mask.as_ref().map(Mask::fluid);

@@ -4,9 +4,16 @@ use std::ops::{Deref, DerefMut};
 
 use crate::{Layout, Real};
 
-/// One value per cell, stored by slot (rim included). A plain slice to every kernel.
+/// One value per cell, stored by slot (rim included). A plain slice to every kernel. The default is empty: the place of an
+/// array that is elsewhere.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CellField<T>(Vec<T>);
+
+impl<T> Default for CellField<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
 
 impl<T: Real> CellField<T> {
     /// Zeros on a layout.

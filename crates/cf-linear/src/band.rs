@@ -2,7 +2,7 @@
 //!
 //! Coarse cells cut by an obstacle stand for fine cells that may not even be joined, so the coarse correction is poor
 //! there and leaves errors that only smoothing removes. Extra sweeps over a band of cells before and after each smoother
-//! cost little where obstacles are few, and halve the iterations (docs/solver.md).
+//! cost little where obstacles are few, and halve the iterations (docs/solver.md). A sweep passes over the band alone, not over the level.
 
 use cf_grid::{Layout, Real};
 

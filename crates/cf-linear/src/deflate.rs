@@ -2,7 +2,7 @@
 //!
 //! Where no wall conducts, each connected component has the eigenvector 1 with eigenvalue alpha. Its part of the
 //! solution is mean(b)/alpha; the solver only sees what is left, so pure Poisson problems are solvable and huge kappa
-//! loses nothing in `f32`.
+//! loses nothing in `f32`. Passes: 1 for means, 2 to shift; on uniform boxes both ride along with other sweeps.
 
 use cf_grid::{Layout, Real};
 

@@ -1,6 +1,6 @@
 //! What a [`Solver`](crate::Solver) holds: the operator alone, or with a V-cycle in the same or in single precision.
 
-use cf_grid::Real;
+use cf_grid::{CellField, Real};
 
 use crate::helmholtz::Helmholtz;
 use crate::level::LevelOperator;
@@ -14,28 +14,27 @@ pub(crate) enum Engine<T, const D: usize> {
     Plain(Box<LevelOperator<T, D>>),
     Same {
         multigrid: Box<Multigrid<T, D>>,
-        z: Vec<T>,
+        z: CellField<T>,
     },
     Single {
         multigrid: Box<Multigrid<f32, D>>,
         operator: Box<LevelOperator<T, D>>,
-        z: Vec<f32>,
+        z: CellField<f32>,
     },
 }
 
 impl<T: Real, const D: usize> Engine<T, D> {
     pub fn new(helmholtz: &Helmholtz<'_, D>, plan: Plan, precision: Precision) -> Self {
         let operator = || Box::new(helmholtz.level());
-        let slots = helmholtz.layout().slots();
         match (plan, precision) {
             (Plan::Diagonal | Plan::Chebyshev, _) => Self::Plain(operator()),
             (Plan::Multigrid, Precision::Full) => {
-                Self::Same { multigrid: Box::new(Multigrid::new(helmholtz)), z: vec![T::ZERO; slots] }
+                Self::Same { multigrid: Box::new(Multigrid::new(helmholtz)), z: CellField::new(helmholtz.layout()) }
             }
             (Plan::Multigrid, Precision::Single) => Self::Single {
                 multigrid: Box::new(Multigrid::new(helmholtz)),
                 operator: operator(),
-                z: vec![0.0; slots],
+                z: CellField::new(helmholtz.layout()),
             },
         }
     }
@@ -44,6 +43,14 @@ impl<T: Real, const D: usize> Engine<T, D> {
         match self {
             Self::Plain(operator) | Self::Single { operator, .. } => operator,
             Self::Same { multigrid, .. } => multigrid.finest(),
+        }
+    }
+
+    /// z, where it has the precision of the vectors.
+    pub fn shareable(&mut self) -> Option<&mut CellField<T>> {
+        match self {
+            Self::Same { z, .. } => Some(z),
+            Self::Plain(_) | Self::Single { .. } => None,
         }
     }
 
@@ -58,8 +65,8 @@ impl<T: Real, const D: usize> Engine<T, D> {
     pub fn bytes(&self) -> usize {
         match self {
             Self::Plain(operator) => operator.bytes(),
-            Self::Same { multigrid, z } => multigrid.bytes() + size_of_val(&z[..]),
-            Self::Single { multigrid, operator, z } => multigrid.bytes() + operator.bytes() + size_of_val(&z[..]),
+            Self::Same { multigrid, z } => multigrid.bytes() + z.bytes(),
+            Self::Single { multigrid, operator, z } => multigrid.bytes() + operator.bytes() + z.bytes(),
         }
     }
 }

@@ -1,4 +1,7 @@
 //! One level of the hierarchy: an operator on its layout, and whole-field sweeps of its row kernels.
+//!
+//! Passes of a sweep: 2 for y = A x or norms of b - A x, 3 for r -= a A x, half of that for one colour's smoothing; up to D + 2 more
+//! where coefficients are stored.
 
 use cf_grid::{At, Layout, Near, Real, Reduce, Region, Run, array, row_dot};
 

@@ -54,11 +54,12 @@ struct Work<T> {
 const SMALL: usize = 64;
 
 /// The level of a three-dimensional box that is solved by two cycles in a row, counted from the finest: what the levels
-/// below leave, odd ones above all, would cost an iteration, and this costs a fifth of a pass (docs/solver.md). Over
+/// below leave, odd ones above all, would cost an iteration, and this costs a fifth of a pass (one more cycle over 1/64 of the cells). Over
 /// obstacles a cycle may overshoot by more than a factor of two, where two in a row are not positive definite any more.
 const TWICE: usize = 2;
 
-/// Below this local kappa two symmetric sweeps solve a level as well as anything (docs/solver.md).
+/// Below this local kappa two symmetric sweeps solve a level well enough: all neighbours of a cell together weigh at most
+/// 2 D WEAK / (1 + 2 D WEAK) of its diagonal.
 const WEAK: f64 = 0.5;
 
 impl<T: Real, const D: usize> Multigrid<T, D> {

@@ -13,23 +13,22 @@
 //!
 //! Both steps of two directions are known before the second one is formed, so that x moves every other time.
 
-use cf_grid::{Layout, Max, Real, array, inlined};
+use cf_grid::{CellField, Layout, Max, Real, array, inlined};
 
 use crate::deflate::Deflation;
 use crate::level::LevelOperator;
 use crate::multigrid::Cycle;
 use crate::norms::{BLOCK, Largest, Norms, row_largest, running_norms};
 
-/// Vectors of an iteration, made once.
+/// Vectors of an iteration, made once or fetched for each solve.
 pub(crate) struct Vectors<T> {
-    pub r: Vec<T>,
-    pub p: Vec<T>,
+    pub r: CellField<T>,
+    pub p: CellField<T>,
 }
 
 impl<T: Real> Vectors<T> {
     pub fn new<const D: usize>(layout: &Layout<D>) -> Self {
-        let field = || vec![T::ZERO; layout.slots()];
-        Self { r: field(), p: field() }
+        Self { r: CellField::new(layout), p: CellField::new(layout) }
     }
 }
 

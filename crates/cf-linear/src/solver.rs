@@ -1,6 +1,6 @@
 //! The door: a solver for one operator, with its plan, its hierarchy and its scratch.
 
-use cf_grid::{Layout, Real, once};
+use cf_grid::{CellField, Layout, Pool, Real, once};
 
 use crate::deflate::Deflation;
 use crate::engine::Engine;
@@ -31,7 +31,7 @@ pub struct Options {
     pub precision: Precision,
     /// Residual reduction the plan is chosen for.
     pub reduction: f64,
-    /// Iterations after which PCG gives up; Chebyshev, whose iterations cost a sixth, makes ten times as many.
+    /// Iterations after which PCG gives up; Chebyshev, whose iterations cost a third, makes ten times as many.
     pub limit: usize,
 }
 
@@ -42,7 +42,8 @@ impl Default for Options {
 }
 
 /// Solver of A x = b for one [`Helmholtz`] operator. Vectors are fields of its layout. Everything is allocated here; a
-/// solve allocates nothing that grows with the grid, but a few numbers per pocket of a mask.
+/// solve allocates nothing that grows with the grid, but a few numbers per pocket of a mask. Solvers that take turns can
+/// [share](Self::share) the vectors of the iteration.
 pub struct Solver<T, const D: usize> {
     layout: Layout<D>,
     alpha: f64,
@@ -56,6 +57,7 @@ pub struct Solver<T, const D: usize> {
     fluid: Option<Vec<bool>>,
     engine: Engine<T, D>,
     vectors: Vectors<T>,
+    pool: Pool<T>,
 }
 
 impl<T: Real, const D: usize> Solver<T, D> {
@@ -94,7 +96,20 @@ impl<T: Real, const D: usize> Solver<T, D> {
             deflation: Deflation::new(helmholtz),
             fluid: helmholtz.mask().map(|m| m.fluid().to_vec()),
             vectors: Vectors::new(&layout),
+            pool: Pool::default(),
         })
+    }
+
+    /// From now on the vectors of the iteration come from `pool` for each solve and go back to it; preconditioners of single
+    /// precision in f64 keep their own.
+    pub fn share(&mut self, pool: &Pool<T>) {
+        self.pool = pool.clone();
+        self.scratch().for_each(|array| *array = CellField::default());
+    }
+
+    /// r, p and z.
+    fn scratch(&mut self) -> impl Iterator<Item = &mut CellField<T>> {
+        [&mut self.vectors.r, &mut self.vectors.p].into_iter().chain(self.engine.shareable())
     }
 
     /// The plan and why.
@@ -107,10 +122,11 @@ impl<T: Real, const D: usize> Solver<T, D> {
         self.engine.levels()
     }
 
-    /// Bytes held: vectors, hierarchy, stored coefficients, flags of masks and of their components.
+    /// Bytes held: vectors (those of a pool do not count), hierarchy, stored coefficients, flags of masks and of their
+    /// components.
     pub fn bytes(&self) -> usize {
         let flags = self.fluid.as_ref().map_or(0, Vec::len) + self.deflation.bytes();
-        2 * self.layout.slots() * size_of::<T>() + self.engine.bytes() + flags
+        self.vectors.r.bytes() + self.vectors.p.bytes() + self.engine.bytes() + flags
     }
 
     /// y = A x in the units of the caller; the rim of `x` is overwritten along periodic axes. For checks and reports.
@@ -219,6 +235,14 @@ impl<T: Real, const D: usize> Solver<T, D> {
     fn run(&mut self, b: &[T], y: &mut [T], goal: Goal) -> Result<Deviation, SolveError> {
         self.check_length("the right-hand side", b)?;
         self.check_length("the solution", y)?;
+        let (pool, layout) = (self.pool.clone(), self.layout);
+        pool.fetch(&layout, self.scratch());
+        let done = self.run_with_vectors(b, y, goal);
+        pool.release(self.scratch());
+        done
+    }
+
+    fn run_with_vectors(&mut self, b: &[T], y: &mut [T], goal: Goal) -> Result<Deviation, SolveError> {
         let (layout, tolerance) = (self.layout, goal.tolerance());
         if tolerance.is_nan() || tolerance < 0.0 {
             return Err(SolveError::Coefficient { name: "tolerance", value: tolerance });

@@ -1,4 +1,6 @@
 //! One solve in unit size: A/scale · y = b/unit - means, whichever way the plan goes.
+//!
+//! Passes besides the iterations: 3 at the start (b twice, r), 2 for the true residual at the end (b, y), 2 for the result.
 
 use cf_grid::{Layout, Max, Real, Run};
 
@@ -193,7 +195,7 @@ pub(crate) struct Task<'a, T, const D: usize> {
 /// Chebyshev passes without progress after which it stops.
 const IDLE: usize = 3;
 
-/// A Chebyshev iteration costs about a sixth of a PCG iteration, so the limit allows more of them.
+/// A Chebyshev iteration costs about a third of a PCG iteration, so the limit allows more of them.
 const CHEBYSHEV_PER_PCG: usize = 10;
 
 impl<T: Real, const D: usize> Task<'_, T, D> {

@@ -2,6 +2,8 @@
 //!
 //! Operators are integrated over cells, so R needs no scaling. Over obstacles P is rescaled per fine cell so that the
 //! weights of open coarse cells keep their sum.
+//!
+//! Passes where a level is not fused: 1 + 2^-D to restrict, 2 + 2^-D to prolong and add, one more each with rescaling.
 
 use cf_grid::{Layout, Real};
 

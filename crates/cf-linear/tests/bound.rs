@@ -12,6 +12,11 @@ fn check<const D: usize>(case: &Case<D>, stop: Stop, plan: Option<Plan>, precisi
     let mut solver = Solver::<f64, D>::new(&case.helmholtz(), options).unwrap();
     let layout = case.layout;
     let mut known = random_field::<f64, D>(&layout, 5);
+    layout.each_cell(layout.cells_region(), |at| {
+        if !case.is_fluid(at.cell) {
+            known[at.slot()] = 0.0;
+        }
+    });
     let (mut b, mut x) = (vec![0.0; layout.slots()], vec![0.0; layout.slots()]);
     solver.apply(&mut known, &mut b);
     let s = solver.solve(&b, &mut x, stop).unwrap_or_else(|e| panic!("{:?} {stop:?}: {e}", case.walls));
@@ -89,6 +94,24 @@ proptest! {
         cells in [1usize..14, 1..14, 1..14], mix in [axis(), axis(), axis()], exponent in -12.0..12f64, stop in stop(),
     ) {
         check(&Case::new(cells, mix, 1.0, 10f64.powf(exponent)), stop, Some(Plan::Multigrid), Precision::Full);
+    }
+
+    #[test]
+    fn errors_are_below_residuals_around_random_obstacles(
+        cells in [1usize..40, 1..40], mix in [axis(), axis()], exponent in -12.0..12f64, stop in stop(), solid in 0.0..16f64,
+        seed in 1u64..1000,
+    ) {
+        let case = Case::new(cells, mix, 1.0, 10f64.powf(exponent)).masked(random_solids(solid, seed));
+        check(&case, stop, Some(Plan::Multigrid), Precision::Full);
+    }
+
+    #[test]
+    fn errors_are_below_residuals_around_random_obstacles_in_three_dimensions(
+        cells in [1usize..12, 1..12, 1..12], mix in [axis(), axis(), axis()], exponent in -12.0..6f64, stop in stop(),
+        solid in 0.0..16f64, seed in 1u64..1000,
+    ) {
+        let case = Case::new(cells, mix, 1.0, 10f64.powf(exponent)).masked(random_solids(solid, seed));
+        check(&case, stop, Some(Plan::Multigrid), Precision::Full);
     }
 
     /// Any numbers at all: an answer or an error, and never a value that is not finite.

@@ -3,6 +3,7 @@
 use cf_grid::Real;
 use cf_linear::{Options, Plan, Solver};
 use faer::Side;
+use proptest::prelude::*;
 
 use crate::common::*;
 
@@ -38,6 +39,18 @@ fn compare<T: Real, const D: usize>(case: &Case<D>, dense: &faer::Mat<f64>, tole
         solver.apply(&mut x, &mut y);
         let error = largest(&(case.gather(&y) - expected));
         assert!(error <= 4.0 * tolerance, "{what} {}: error {error:e} above {tolerance:e}", T::NAME);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+    #[test]
+    fn random_masks_are_symmetric_and_positive_definite(
+        cells in [1usize..14, 1..14], mix in prop::array::uniform2(prop::sample::select(MIXES.to_vec())),
+        exponent in -6.0..6f64, solid in 0.0..60f64, seed in 1u64..1000,
+    ) {
+        let case = Case::new(cells, mix, 1.0, 10f64.powf(exponent)).masked(random_solids(solid, seed));
+        check(&case, "random");
     }
 }
 

@@ -1,6 +1,7 @@
 //! One V-cycle is a symmetric positive definite operator, also over masks and odd periodic axes.
 
 use cf_linear::{Options, Plan, Precision, Solver, Stop};
+use proptest::prelude::*;
 
 use crate::common::*;
 
@@ -48,6 +49,27 @@ fn check<const D: usize>(case: &Case<D>, what: &str) {
 }
 
 const KAPPAS: [f64; 4] = [0.2, 3.0, 1e3, 1e8];
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+    #[test]
+    fn random_masks_are_symmetric(
+        cells in [1usize..40, 1..40], mix in prop::array::uniform2(prop::sample::select(MIXES.to_vec())),
+        exponent in -2.0..8f64, solid in 0.0..50f64, seed in 1u64..1000,
+    ) {
+        let case = Case::new(cells, mix, 1.0, 10f64.powf(exponent)).masked(random_solids(solid, seed));
+        check(&case, "random");
+    }
+
+    #[test]
+    fn random_masks_are_symmetric_in_three_dimensions(
+        cells in [1usize..14, 1..14, 1..14], mix in prop::array::uniform3(prop::sample::select(MIXES.to_vec())),
+        exponent in -2.0..8f64, solid in 0.0..50f64, seed in 1u64..1000,
+    ) {
+        let case = Case::new(cells, mix, 1.0, 10f64.powf(exponent)).masked(random_solids(solid, seed));
+        check(&case, "random");
+    }
+}
 
 #[test]
 fn boxes_are_symmetric() {

@@ -37,6 +37,15 @@ pub fn bench(asked: &BenchArgs, stop: &AtomicBool) -> Result<(), Failure> {
             "sizes, walls, kappa, runs and peers are those of solves: cargo xtask bench solver",
         ));
     }
+    if let Some(path) = &asked.json
+        && path.exists()
+        && !path.is_file()
+    {
+        return Err(Failure::usage(format!(
+            "--json {}: expected the name of a file to write, found something else; nothing was measured",
+            path.display()
+        )));
+    }
     let threads = pool::threads(None);
     let work = if wants(Bench::Solver) { Work::new(&asked.solver, threads)? } else { Work::default() };
     let mut bandwidth = Bandwidth::measure(&work.threads(threads))?;

@@ -84,7 +84,8 @@ pub fn noise<T: Real, const D: usize>(layout: &Layout<D>) -> Vec<T> {
     let mut b = vec![T::ZERO; layout.slots()];
     layout.par_cells(&mut b, |at| T::of(rough(&at.cell)));
     let mean = layout.sum(&b) / layout.count() as f64;
-    layout.par_cells(&mut b, |at| T::of(rough(&at.cell) - mean));
+    // From the rounded numbers, so that a single cell gets zero in any precision.
+    layout.par_cells(&mut b, |at| T::of(T::of(rough(&at.cell)).f64() - mean));
     b
 }
 
@@ -219,5 +220,7 @@ mod tests {
         assert!(layout.sum(&b).abs() < 1e-13);
         let square = layout.dot(&b, &b) / layout.count() as f64;
         assert!((square - 1.0 / 3.0).abs() < 0.1, "{square}");
+        let one = Layout::new([1, 1]).unwrap();
+        assert!(noise::<f32, 2>(&one).iter().all(|v| *v == 0.0));
     }
 }

@@ -25,7 +25,7 @@ mod sweep;
 mod tests;
 mod trace;
 
-use cf_grid::{CellField, FaceField, Grid, Mask, Real, Sides, Wall};
+use cf_grid::{CellField, FaceField, Grid, Mask, Pool, Real, Sides, Wall};
 
 pub use error::AdvectError;
 
@@ -62,8 +62,8 @@ pub struct Transported {
 
 /// Carries φ \[P\] and q_C \[P m/s\] on one grid.
 ///
-/// Owns all storage a step needs: one cell-sized array, a second one from the first conservative step in 3D whose
-/// velocity varies, and two flags per cell from the first that diverges strongly.
+/// Owns all storage a step needs, or [shares](Self::share) it: one cell-sized array from the first step, a second one from the
+/// first conservative step in 3D whose velocity varies, and two flags per cell from the first that diverges strongly.
 #[derive(Debug, Clone)]
 pub struct Advector<T, const D: usize> {
     grid: Grid<D>,
@@ -73,7 +73,9 @@ pub struct Advector<T, const D: usize> {
     cells: Sites<D>,
     faces: [Sites<D>; D],
     work: CellField<T>,
-    second: Option<CellField<T>>,
+    /// Empty where it is not needed.
+    second: CellField<T>,
+    pool: Pool<T>,
     /// Flags of strongly divergent cells, and of these with their neighbours, by slot; empty until there are some.
     divergent: [Vec<bool>; 2],
     reversed: bool,
@@ -99,17 +101,24 @@ impl<T: Real, const D: usize> Advector<T, D> {
             mask: mask.cloned(),
             cells: Sites::cells(layout, sides),
             faces: std::array::from_fn(|a| Sites::faces(layout, sides, a)),
-            work: CellField::new(layout),
-            second: None,
+            work: CellField::default(),
+            second: CellField::default(),
+            pool: Pool::default(),
             divergent: [Vec::new(), Vec::new()],
             reversed: false,
         }
     }
 
-    /// Bytes of storage held now.
+    /// From now on scratch comes from `pool` and goes back to it within each call.
+    pub fn share(&mut self, pool: &Pool<T>) {
+        self.pool = pool.clone();
+        (self.work, self.second) = Default::default();
+    }
+
+    /// Bytes of storage held now, without what is in a shared pool.
     pub fn bytes(&self) -> usize {
         let mask = self.mask.as_ref().map_or(0, |m| m.fluid().len());
-        self.work.bytes() + self.second.as_ref().map_or(0, CellField::bytes) + mask + 2 * self.divergent[0].len()
+        self.work.bytes() + self.second.bytes() + mask + 2 * self.divergent[0].len()
     }
 
     /// Whether the next conservative sub-step sweeps the last axis first. Part of the state: a resumed run sets it with
@@ -185,6 +194,7 @@ impl<T: Real, const D: usize> Advector<T, D> {
             Advection::Cubic | Advection::Linear => None,
         };
         let mut outflow = 0.0;
+        self.pool.fetch(self.grid.layout(), [&mut self.work]);
         for _ in 0..substeps {
             outflow += match self.method {
                 Advection::Muscl => self.muscl(phi, slow_flux.as_deref_mut(), flow, moving, divergent),
@@ -192,6 +202,7 @@ impl<T: Real, const D: usize> Advector<T, D> {
                 Advection::Linear => self.fetch::<2>(phi, slow_flux.as_deref_mut(), medium, flow, ratio),
             };
         }
+        self.pool.release([&mut self.work, &mut self.second]);
         self.divergent = flags;
         Ok(Transported { outflow: outflow * self.grid.cell_volume(), substeps })
     }
@@ -236,11 +247,10 @@ impl<T: Real, const D: usize> Advector<T, D> {
         let fluid = self.mask.as_ref().map(Mask::fluid);
         let stream = Stream { flow, fluid };
         if axes == 3 && (fluid.is_some() || matches!(flow, Flow::Field { .. })) {
-            self.second.get_or_insert_with(|| CellField::new(self.grid.layout()));
+            self.pool.fetch(self.grid.layout(), [&mut self.second]);
         }
-        let second = self.second.as_deref_mut().unwrap_or_default();
         let form = (Form::Conservative, divergent);
-        let outflow = muscl::step(&self.cells, stream, form, order, phi, (&mut self.work, second));
+        let outflow = muscl::step(&self.cells, stream, form, order, phi, (&mut self.work, &mut self.second));
         if let Some(q) = slow_flux {
             for a in 0..D {
                 let form = (Form::Advective, None);

@@ -2,6 +2,8 @@
 //!
 //! t_red = b/d + P e, x_black = (b + Σ w t_red)/d, x_red = (b + Σ w x_black)/d. The inner products use that every face
 //! joins a red and a black cell: x·A x = Σ mass x² + Σ w (x_red - x_black)², a sum of squares without cancellation.
+//!
+//! Passes: 2 + 2^-D. Reads b and coarse x, writes x.
 
 use std::ops::Range;
 

@@ -1,6 +1,8 @@
 //! Forward smoothing of a zero guess, residual and restriction in one sweep over b.
 //!
 //! x_red = b/d, x_black = (b + Σ w x_red)/d, r_red = Σ w x_black (b = d x_red there), r_black = 0, coarse b = Pᵀ r.
+//!
+//! Passes: 1 + 2^-D. Reads b, writes coarse b; x and r live in rings that fit the L2 cache.
 
 use std::ops::Range;
 

@@ -3,7 +3,7 @@
 //! In a row of parity s = (sum of its outer indices) % 2 the red cells are those with x index i ≡ s (mod 2). Cell `m` of
 //! a half row with parity q is i = 2 m + q; entry `m + 1` of its padded storage. The x neighbours of a cell are entries
 //! m + q - 1 and m + q of the other half of the row, and its other neighbours are entry m of the *other* colour in the
-//! neighbour rows, so that every loop here runs over neighbouring numbers and computes nothing in vain.
+//! neighbour rows, so that every loop here runs over neighbouring numbers and computes nothing in vain. Rows are in rings, so that none of this is a pass over memory.
 
 use cf_grid::{Real, inlined};
 

@@ -107,7 +107,7 @@ impl<T: Number, const D: usize> Carried<T, D> {
     pub fn unknowns(&self) -> Vec<(&'static str, Values<'_>)> {
         let Some(fluid) = self.fluid() else { return Vec::new() };
         let parts = fluid.state();
-        let named = names::<D>(parts.len()).into_iter().zip(parts).map(|(name, part)| (name, T::values(part)));
+        let named = names(fluid).into_iter().zip(parts).map(|(name, part)| (name, T::values(part)));
         named.chain([(MEMORY, Values::F64(&self.memory))]).collect()
     }
 
@@ -115,15 +115,15 @@ impl<T: Number, const D: usize> Carried<T, D> {
     pub fn split_mut(&mut self) -> (&mut State<T, D>, Vec<(&'static str, ValuesMut<'_>)>) {
         let Self { coupled, state, memory, .. } = self;
         let Flow::Solved(fluid) = &mut coupled.flow else { return (state, Vec::new()) };
-        let parts = fluid.state_mut();
-        let named = names::<D>(parts.len()).into_iter().zip(parts).map(|(name, part)| (name, T::values_mut(part)));
+        let names = names(fluid);
+        let named = names.into_iter().zip(fluid.state_mut()).map(|(name, part)| (name, T::values_mut(part)));
         (state, named.chain([(MEMORY, ValuesMut::F64(memory))]).collect())
     }
 }
 
-/// The names of the parts of a fluid's state, of which there are so many.
-fn names<const D: usize>(count: usize) -> Vec<&'static str> {
-    let pressure = (count > 2 * D + 2).then_some(PRESSURE);
+/// The names of the parts of a fluid's state, in their order.
+fn names<T: Number, const D: usize>(fluid: &Fluid<T, D>) -> Vec<&'static str> {
+    let pressure = matches!(fluid.settings().scheme, Scheme::Auto | Scheme::Cnp).then_some(PRESSURE);
     VELOCITY.into_iter().take(D).chain(BEFORE.into_iter().take(D)).chain(pressure).chain(POTENTIALS).collect()
 }
 

@@ -77,19 +77,26 @@ impl Scene {
             let kept = matches!(self.numerics.flow, FlowScheme::Auto | FlowScheme::Cnp);
             let stages = if self.numerics.flow == FlowScheme::CentralRk4 { 2.0 * d } else { 0.0 };
             add("flow: u, u before, next u, stages", 3.0 * d + stages, word);
-            add("flow: pressure and potentials", if kept { 3.0 } else { 2.0 }, word);
-            add("flow: solver vectors and levels", 2.0 + 5.5, word);
+            let twice = matches!(self.numerics.flow, FlowScheme::Auto | FlowScheme::ReflectionExtrapolated);
+            let potentials = if twice { 2.0 } else { 1.0 };
+            add("flow: pressure and potentials", if kept { 1.0 + potentials } else { potentials }, word);
+            add("flow: levels of the solver", 0.5, word);
+            add("solver vectors and buffers that flow, transport and diffusion take in turn", 5.0, word);
             let walls = !Solid::of(self).is_empty() || model.fluid.as_ref().is_some_and(Fluid::holds);
             add("flow: face weights on all levels, masks", if walls { d + 7.0 } else { 0.0 }, word);
         }
-        add("advection buffers", if moves && integrator != Some(Integrator::Characteristic) { 2.0 } else { 0.0 }, word);
+        // A solved flow shares its scratch.
+        let own = model.fluid.is_none();
+        let buffers = if own && moves && integrator != Some(Integrator::Characteristic) { 2.0 } else { 0.0 };
+        add("advection buffers", buffers, word);
+        let solver = if own { 5.5 } else { 0.5 };
         match integrator {
             None | Some(Integrator::Kdk) => add("step buffer", 1.0, word),
             Some(Integrator::Characteristic) => add("step buffers", 2.0, word),
-            Some(Integrator::PaperBe) => add("solver vectors and levels", 5.5, word),
+            Some(Integrator::PaperBe) => add("solver vectors and levels", solver, word),
             Some(Integrator::Sdirk2) => {
                 add("first stage", 1.0 + flux, word);
-                add("solver vectors and levels", 5.5, word);
+                add("solver vectors and levels", solver, word);
             }
         }
         if matches!(self.numerics.step, TimeStep::Adaptive(_)) {

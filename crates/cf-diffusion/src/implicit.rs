@@ -65,9 +65,23 @@ pub(crate) struct Implicit<T, const D: usize> {
 }
 
 impl<T: Real, const D: usize> Implicit<T, D> {
-    pub fn new(h: f64, tolerance: f64, precision: Precision, plan: Option<Plan>, pool: Pool<T>) -> Self {
+    pub fn new(h: f64, tolerance: f64, precision: Precision, plan: Option<Plan>) -> Self {
         let [rhs, y] = Default::default();
-        Self { h, rhs, y, solver: None, precision, plan, tolerance, pool }
+        Self { h, rhs, y, solver: None, precision, plan, tolerance, pool: Pool::default() }
+    }
+
+    /// From now on scratch comes from `pool`; [`release`](Self::release) gives it back.
+    pub fn share(&mut self, pool: &Pool<T>) {
+        self.pool = pool.clone();
+        (self.rhs, self.y) = Default::default();
+        if let Some((_, solver)) = &mut self.solver {
+            solver.share(pool);
+        }
+    }
+
+    /// Gives scratch back to the pool.
+    pub fn release(&mut self) {
+        self.pool.release([&mut self.rhs, &mut self.y]);
     }
 
     pub fn bytes(&self) -> usize {
@@ -90,20 +104,6 @@ impl<T: Real, const D: usize> Implicit<T, D> {
         stretch: f64,
     ) -> Result<Moved, StepError> {
         self.pool.fetch(&walls.layout, [&mut self.rhs, &mut self.y]);
-        let moved = self.stage_here(walls, law, state, source, dt, stretch);
-        self.pool.release([&mut self.rhs, &mut self.y]);
-        moved
-    }
-
-    fn stage_here(
-        &mut self,
-        walls: &Walls<T, D>,
-        law: &Law,
-        state: &mut State<T, D>,
-        source: Source<'_, T>,
-        dt: f64,
-        stretch: f64,
-    ) -> Result<Moved, StepError> {
         let (mut c, h) = (Coefficients::new(law, dt), self.h);
         let kappa = c.beta / (h * h);
         let faces = Conductances::new(walls, kappa, dt / h);

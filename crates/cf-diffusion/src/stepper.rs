@@ -163,7 +163,7 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         }
         let walls = Walls::new(grid.layout(), sides, mask);
         let implicit = (settings.integrator != Integrator::Kdk)
-            .then(|| Implicit::new(grid.h(), settings.tolerance, settings.precision, settings.plan, Pool::default()));
+            .then(|| Implicit::new(grid.h(), settings.tolerance, settings.precision, settings.plan));
         Ok(Self {
             grid: *grid,
             law,
@@ -180,10 +180,8 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
     /// From now on scratch comes from `pool` and goes back to it within each step, so that others can use it between.
     pub fn share(&mut self, pool: &Pool<T>) {
         self.pool = pool.clone();
-        let settings = &self.settings;
         if let Some(implicit) = &mut self.implicit {
-            *implicit =
-                Implicit::new(self.grid.h(), settings.tolerance, settings.precision, settings.plan, pool.clone());
+            implicit.share(pool);
         }
         if let Some(advector) = &mut self.advector {
             advector.share(pool);
@@ -496,6 +494,9 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
                 report.solves += 2;
                 report.error = embedded.as_mut().map(|e| e.end(grid, &walls.sides, law, state, gamma));
             }
+        }
+        if let Some(stages) = &mut self.implicit {
+            stages.release();
         }
         observer.end(Phase::Diffusion);
         Ok(())

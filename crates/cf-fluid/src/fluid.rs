@@ -93,8 +93,6 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         let projection = Projection::new(grid, sides, mask, settings.precision)?;
         let faces = || FaceField::new(layout);
         let scalar = || CellField::new(layout);
-        let carries_pressure = matches!(settings.scheme, Scheme::Auto | Scheme::Cnp);
-        let projects_twice = matches!(settings.scheme, Scheme::Auto | Scheme::ReflectionExtrapolated);
         let empty = FaceField::new(&Layout::new([1; D]).map_err(|_| FlowError::Order("a grid without dimensions"))?);
         Ok(Self {
             grid: *grid,
@@ -104,8 +102,8 @@ impl<T: Real, const D: usize> Fluid<T, D> {
             u: faces(),
             before: faces(),
             next: faces(),
-            pressure: carries_pressure.then(scalar),
-            potential: [scalar(), if projects_twice { scalar() } else { CellField::default() }],
+            pressure: settings.scheme.keeps_pressure().then(scalar),
+            potential: [scalar(), if settings.scheme.projects_twice() { scalar() } else { CellField::default() }],
             stages: (settings.scheme == Scheme::CentralRk4).then(|| [faces(), faces()]),
             emitters: Vec::new(),
             time: 0.0,

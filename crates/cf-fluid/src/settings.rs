@@ -22,6 +22,18 @@ pub enum Scheme {
     CentralRk4,
 }
 
+impl Scheme {
+    /// Whether the pressure of a step is needed for the next.
+    pub fn keeps_pressure(self) -> bool {
+        matches!(self, Self::Auto | Self::Cnp)
+    }
+
+    /// Whether a step may project with two potentials.
+    pub fn projects_twice(self) -> bool {
+        matches!(self, Self::Auto | Self::ReflectionExtrapolated)
+    }
+}
+
 /// Buoyancy b = strength (phi - reference) up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Buoyancy<const D: usize> {

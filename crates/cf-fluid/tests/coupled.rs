@@ -2,14 +2,15 @@
 
 use std::f64::consts::TAU;
 
-use cf_diffusion::{Advection, Diffusion, Integrator, Law, Medium, Settings, Splitting, State};
+use cf_diffusion::{Advection, Diffusion, Integrator, Law, Medium, Settings, Source, Splitting, State};
 use cf_fluid::exact::taylor_green;
 use cf_fluid::{
     Buoyancy, Coupled, Emission, Emitter, Flow, FlowSettings, FlowWall, Fluid, Jet, Scheme, Shape, obstacles,
 };
 use cf_grid::{Axis, FaceField, Grid, Mask, Sides, Wall};
+use cf_linear::Plan;
 
-use crate::common::Noise;
+use crate::common::{Noise, random_faces};
 
 fn closed_box(eta_div: f64, scheme: Scheme, mask: Option<&Mask<2>>) -> (Grid<2>, Coupled<f64, 2>, State<f64, 2>) {
     let grid = Grid::<2>::new([24, 20], 0.05).unwrap();
@@ -83,6 +84,38 @@ fn a_solved_uniform_stream_equals_the_prescribed_one() {
         worst = worst.max((solved.phi[at.slot()] - given.phi[at.slot()]).abs());
     });
     assert!(largest > 0.05 && worst < 1e-4 * largest, "{worst:e} of {largest:e}");
+}
+
+/// Flow and diffusion take turns with solver vectors and buffers: five arrays for all of them.
+#[test]
+fn scratch_is_shared() {
+    let grid = Grid::<3>::new([32; 3], 1.0 / 32.0).unwrap();
+    let flow = FlowSettings { scheme: Scheme::Cnp, ..Default::default() };
+    let fluid = Fluid::<f32, 3>::new(&grid, &Sides::all(FlowWall::Closed), None, flow).unwrap();
+    let law = Law::new(0.1, 1.0, 0.5).unwrap();
+    let settings = Settings { integrator: Integrator::PaperBe, plan: Some(Plan::Multigrid), ..Default::default() };
+    let diffusion = || Diffusion::new(&grid, &Sides::all(Wall::CLOSED), None, law, settings).unwrap();
+    let mut coupled = Coupled::new(Flow::Solved(Box::new(fluid)), diffusion(), &[]).unwrap();
+    let mut state = State::new(&grid, &law);
+    let mut u = random_faces::<f32, 3>(grid.layout(), 3);
+    u.axes_mut().into_iter().flatten().for_each(|v| *v *= 0.1);
+    if let Flow::Solved(fluid) = &mut coupled.flow {
+        fluid.set_velocity(&u).unwrap();
+    }
+    state.phi[grid.layout().slot([16; 3])] = 1.0;
+    let array = 4 * grid.layout().slots();
+    let flow = coupled.flow.bytes();
+    // On its own a stepper keeps a right-hand side, a solution, three solver vectors and two buffers.
+    let (mut alone, mut copy) = (diffusion(), state.clone());
+    let medium = Medium::Field(coupled.flow.fluid().unwrap().velocity().clone());
+    alone.step(&mut copy, &medium, Source::NONE, 0.02).unwrap();
+    for _ in 0..3 {
+        let report = coupled.step(&mut state, 0.02).unwrap();
+        assert!(report.scalar.iterations > 0 && report.flow.is_some_and(|flow| flow.projections > 0));
+        assert_eq!(coupled.flow.bytes(), flow);
+        assert_eq!(alone.bytes() - coupled.diffusion.bytes(), 7 * array);
+        assert_eq!(coupled.bytes() - flow - coupled.diffusion.bytes(), 5 * array);
+    }
 }
 
 #[test]

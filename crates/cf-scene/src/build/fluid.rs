@@ -123,7 +123,7 @@ impl<T: Number, const D: usize> Carried<T, D> {
 
 /// The names of the parts of a fluid's state, in their order.
 fn names<T: Number, const D: usize>(fluid: &Fluid<T, D>) -> Vec<&'static str> {
-    let pressure = matches!(fluid.settings().scheme, Scheme::Auto | Scheme::Cnp).then_some(PRESSURE);
+    let pressure = fluid.settings().scheme.keeps_pressure().then_some(PRESSURE);
     VELOCITY.into_iter().take(D).chain(BEFORE.into_iter().take(D)).chain(pressure).chain(POTENTIALS).collect()
 }
 

@@ -58,6 +58,7 @@ pub(crate) struct Implicit<T, const D: usize> {
     rhs: CellField<T>,
     y: CellField<T>,
     solver: Option<(f64, Solver<T, D>)>,
+    found: Deviation,
     precision: Precision,
     plan: Option<Plan>,
     tolerance: f64,
@@ -67,7 +68,7 @@ pub(crate) struct Implicit<T, const D: usize> {
 impl<T: Real, const D: usize> Implicit<T, D> {
     pub fn new(h: f64, tolerance: f64, precision: Precision, plan: Option<Plan>) -> Self {
         let [rhs, y] = Default::default();
-        Self { h, rhs, y, solver: None, precision, plan, tolerance, pool: Pool::default() }
+        Self { h, rhs, y, solver: None, found: Deviation::default(), precision, plan, tolerance, pool: Pool::default() }
     }
 
     /// From now on scratch comes from `pool`; [`release`](Self::release) gives it back.
@@ -121,17 +122,19 @@ impl<T: Real, const D: usize> Implicit<T, D> {
         let Some((_, solver)) = &mut self.solver else { return Ok(Moved::default()) };
         // Never below the rounding floor of evaluating the right-hand side itself.
         let wanted = (self.tolerance.max(8.0 * T::EPSILON)) * size;
-        let found = solve(solver, &self.rhs, &mut self.y, wanted)?;
+        let found = &mut self.found;
+        solve(solver, &self.rhs, &mut self.y, wanted, found)?;
+        let (factor, statistics) = (found.factor, found.statistics);
         walls.fill_rim(&mut self.y);
 
         let noise = D as f64 * T::EPSILON * faces.largest;
         let outflow = if noise <= noise_limit::<T>() {
-            self.rebuild(walls, state, &stage, found.factor)
+            self.rebuild(walls, state, &stage, factor)
         } else {
-            self.keep(walls, state, source, &stage, found.factor)
+            self.keep(walls, state, source, &stage, factor)
         };
-        self.update_slow_flux(walls, state, &stage, found.factor);
-        Ok(Moved { outflow, statistics: found.statistics })
+        self.update_slow_flux(walls, state, &stage, factor);
+        Ok(Moved { outflow, statistics })
     }
 
     /// q_C = w q* - v k_C Grad phi^, `stretch` times as far.
@@ -258,11 +261,12 @@ fn solve<T: Real, const D: usize>(
     rhs: &[T],
     y: &mut [T],
     wanted: f64,
-) -> Result<Deviation, SolveError> {
+    found: &mut Deviation,
+) -> Result<(), SolveError> {
     const HAIR: f64 = 0.02;
-    match solver.solve_deviation(rhs, y, Stop::Largest(wanted)) {
+    match solver.solve_deviation(rhs, y, Stop::Largest(wanted), found) {
         Err(SolveError::NotConverged { residual, .. }) if residual <= (1.0 + HAIR) * wanted => {
-            solver.solve_deviation(rhs, y, Stop::Largest((1.0 - 2.0 * HAIR) * wanted))
+            solver.solve_deviation(rhs, y, Stop::Largest((1.0 - 2.0 * HAIR) * wanted), found)
         }
         done => done,
     }

@@ -4,7 +4,7 @@
 //! divergence that remains, so that the solve stops on it directly, and it is measured again on the velocity itself.
 
 use cf_grid::{CellField, FaceField, Grid, Mask, Pool, Real, Sides};
-use cf_linear::{Choice, Helmholtz, Options, Plan, Precision, Solver, Stop};
+use cf_linear::{Choice, Deviation, Helmholtz, Options, Plan, Precision, Solver, Stop};
 
 use crate::calculus::{max_speed, negative_divergence, subtract_gradient};
 use crate::error::FlowError;
@@ -31,6 +31,7 @@ pub struct Projection<T, const D: usize> {
     gates: Gates<D>,
     mask: Option<Mask<D>>,
     solver: Solver<T, D>,
+    solved: Deviation,
     precision: Precision,
     rhs: CellField<T>,
     step: CellField<T>,
@@ -60,6 +61,7 @@ impl<T: Real, const D: usize> Projection<T, D> {
         Ok(Self {
             grid: *grid,
             solver: solver(grid, &gates, mask, precision)?,
+            solved: Deviation::default(),
             gates,
             mask: mask.cloned(),
             precision,
@@ -180,8 +182,9 @@ impl<T: Real, const D: usize> Projection<T, D> {
                 done.at_floor = left > wanted;
                 break;
             }
-            let solved = self.solver.solve_deviation(&self.rhs, &mut self.step, Stop::Largest(SHARE * wanted))?;
-            self.solver.finish(&mut self.step, &solved);
+            let solved = &mut self.solved;
+            self.solver.solve_deviation(&self.rhs, &mut self.step, Stop::Largest(SHARE * wanted), solved)?;
+            self.solver.finish(&mut self.step, solved);
             done.iterations += solved.statistics.iterations;
             done.at_floor = solved.statistics.at_floor && pass > 0;
             let mean = solved.removed.iter().fold(0f64, |m, r| m.max(r.abs()));

@@ -48,80 +48,101 @@ impl Deflation {
         }
     }
 
-    /// Mean of each component, the largest component first.
-    pub fn means<T: Real, const D: usize>(&self, layout: &Layout<D>, x: &[T]) -> Vec<f64> {
+    /// Number of constants.
+    pub fn count(&self) -> usize {
         match self {
-            Self::None => Vec::new(),
-            Self::Whole => vec![layout.sum(x) / layout.count() as f64],
-            Self::Components(c) => {
-                let main: f64 = layout.par_runs(
-                    layout.cells_region(),
-                    (),
-                    #[inline(always)]
-                    |run, ()| {
-                        let cells = run.row(x).iter().zip(run.row(&c.main));
-                        cells.map(|(v, &inside)| if inside { v.f64() } else { 0.0 }).sum::<f64>()
-                    },
-                );
-                let others = c.others.iter().map(|slots| {
-                    let sum: f64 = slots.iter().map(|&s| x[s].f64()).sum();
-                    sum / slots.len() as f64
-                });
-                std::iter::once(main / c.main_cells as f64).chain(others).collect()
-            }
+            Self::None => 0,
+            Self::Whole => 1,
+            Self::Components(c) => 1 + c.others.len(),
         }
     }
 
-    /// x += value of each component, rounded once.
-    pub fn shift<T: Real, const D: usize>(&self, layout: &Layout<D>, x: &mut [T], values: &[f64]) {
-        if !values.is_empty() {
-            self.scale_and_shift(layout, x, 1.0, values);
-        }
-    }
-
-    /// x = factor · x + value of each component (rounded once, but in small components). `values` may be empty.
+    /// x = factor · x + value(i) in component i, the largest being the first (rounded once, but in small components).
     pub fn scale_and_shift<T: Real, const D: usize>(
         &self,
         layout: &Layout<D>,
         x: &mut [T],
         factor: f64,
-        values: &[f64],
+        value: impl Fn(usize) -> f64,
     ) {
-        let (first, rest) = values.split_first().map_or((0.0, values), |(first, rest)| (*first, rest));
         match self {
-            Self::None | Self::Whole => layout.par_runs(
-                layout.cells_region(),
-                x,
-                #[inline(always)]
-                |_, row: &mut [T]| {
-                    row.iter_mut().for_each(|v| *v = T::of(v.f64() * factor + first));
-                },
-            ),
+            Self::None => scale_and_shift_box(layout, x, factor, 0.0),
+            Self::Whole => scale_and_shift_box(layout, x, factor, value(0)),
             Self::Components(c) => {
-                layout.par_runs(
-                    layout.cells_region(),
-                    &mut *x,
-                    #[inline(always)]
-                    |run, row: &mut [T]| {
-                        for (v, &inside) in row.iter_mut().zip(run.row(&c.main)) {
-                            *v = T::of(v.f64() * factor + if inside { first } else { 0.0 });
-                        }
-                    },
-                );
-                for (slots, value) in c.others.iter().zip(rest) {
-                    slots.iter().for_each(|&s| x[s] = T::of(x[s].f64() + value));
+                c.scale_and_shift_main(layout, x, factor, value(0));
+                for (i, slots) in c.others.iter().enumerate() {
+                    shift(x, slots, value(1 + i));
                 }
             }
         }
     }
 
-    /// Subtracts the means and returns them.
-    pub fn project<T: Real, const D: usize>(&self, layout: &Layout<D>, x: &mut [T]) -> Vec<f64> {
-        let means = self.means(layout, x);
-        let negative: Vec<f64> = means.iter().map(|m| -m).collect();
-        self.shift(layout, x, &negative);
-        means
+    /// Subtracts the mean of each component, the largest component first, and tells it to `each`.
+    pub fn project<T: Real, const D: usize>(&self, layout: &Layout<D>, x: &mut [T], mut each: impl FnMut(usize, f64)) {
+        match self {
+            Self::None => {}
+            Self::Whole => {
+                let mean = layout.sum(x) / layout.count() as f64;
+                scale_and_shift_box(layout, x, 1.0, -mean);
+                each(0, mean);
+            }
+            Self::Components(c) => {
+                let mean = c.mean_main(layout, x);
+                c.scale_and_shift_main(layout, x, 1.0, -mean);
+                each(0, mean);
+                for (i, slots) in c.others.iter().enumerate() {
+                    let mean = slots.iter().map(|&s| x[s].f64()).sum::<f64>() / slots.len() as f64;
+                    shift(x, slots, -mean);
+                    each(1 + i, mean);
+                }
+            }
+        }
     }
+}
+
+impl Floating {
+    fn mean_main<T: Real, const D: usize>(&self, layout: &Layout<D>, x: &[T]) -> f64 {
+        let sum: f64 = layout.par_runs(
+            layout.cells_region(),
+            (),
+            #[inline(always)]
+            |run, ()| {
+                let cells = run.row(x).iter().zip(run.row(&self.main));
+                cells.map(|(v, &inside)| if inside { v.f64() } else { 0.0 }).sum::<f64>()
+            },
+        );
+        sum / self.main_cells as f64
+    }
+
+    /// x = factor · x everywhere, + value in the largest component.
+    fn scale_and_shift_main<T: Real, const D: usize>(&self, layout: &Layout<D>, x: &mut [T], factor: f64, value: f64) {
+        layout.par_runs(
+            layout.cells_region(),
+            x,
+            #[inline(always)]
+            |run, row: &mut [T]| {
+                for (v, &inside) in row.iter_mut().zip(run.row(&self.main)) {
+                    *v = T::of(v.f64() * factor + if inside { value } else { 0.0 });
+                }
+            },
+        );
+    }
+}
+
+/// x = factor · x + value.
+fn scale_and_shift_box<T: Real, const D: usize>(layout: &Layout<D>, x: &mut [T], factor: f64, value: f64) {
+    layout.par_runs(
+        layout.cells_region(),
+        x,
+        #[inline(always)]
+        |_, row: &mut [T]| {
+            row.iter_mut().for_each(|v| *v = T::of(v.f64() * factor + value));
+        },
+    );
+}
+
+fn shift<T: Real>(x: &mut [T], slots: &[usize], value: f64) {
+    slots.iter().for_each(|&s| x[s] = T::of(x[s].f64() + value));
 }
 
 /// Flood fill over conducting faces; components joined to a conducting wall are dropped.

@@ -180,7 +180,7 @@ impl<T: Real, const D: usize> Cycle<'_, T, D> {
         );
         cycle(finest, steps, coarser, coarsest, copy, x, scratch, work);
         if let Deflation::Components(_) = deflation {
-            deflation.project(&layout, x);
+            deflation.project(&layout, x, |_, _| ());
         }
         let (bx, sum): (f64, f64) = layout.par_runs(
             cells,

@@ -103,7 +103,7 @@ pub(crate) fn iterate<T: Real, Z: Real, const D: usize>(
             Deflation::Components(_) => true,
         };
         if drifted {
-            deflation.project(&layout, &mut v.r);
+            deflation.project(&layout, &mut v.r, |_, _| ());
             norms.sum = 0.0;
         }
         made += 1;
@@ -150,7 +150,7 @@ fn turn<T: Real, Z: Real, const D: usize>(
     );
     if let (false, Deflation::Components(_)) = (T::NAME == Z::NAME, deflation) {
         // What single precision left of the constants would stay in x.
-        deflation.project(layout, p);
+        deflation.project(layout, p, |_, _| ());
     }
 }
 

@@ -41,9 +41,8 @@ impl Default for Options {
     }
 }
 
-/// Solver of A x = b for one [`Helmholtz`] operator. Vectors are fields of its layout. Everything is allocated here; a
-/// solve allocates nothing that grows with the grid, but a few numbers per pocket of a mask. Solvers that take turns can
-/// [share](Self::share) the vectors of the iteration.
+/// Solver of A x = b for one [`Helmholtz`] operator. Vectors are fields of its layout. Everything is allocated here,
+/// nothing in a solve. Solvers that take turns can [share](Self::share) the vectors of the iteration.
 pub struct Solver<T, const D: usize> {
     layout: Layout<D>,
     alpha: f64,
@@ -57,6 +56,8 @@ pub struct Solver<T, const D: usize> {
     fluid: Option<Vec<bool>>,
     engine: Engine<T, D>,
     vectors: Vectors<T>,
+    /// Of [`solve`](Self::solve).
+    deviation: Deviation,
     pool: Pool<T>,
 }
 
@@ -96,6 +97,7 @@ impl<T: Real, const D: usize> Solver<T, D> {
             deflation: Deflation::new(helmholtz),
             fluid: helmholtz.mask().map(|m| m.fluid().to_vec()),
             vectors: Vectors::new(&layout),
+            deviation: Deviation::default(),
             pool: Pool::default(),
         })
     }
@@ -173,20 +175,27 @@ impl<T: Real, const D: usize> Solver<T, D> {
     /// Fails with [`SolveError::NotFinite`] for a right-hand side that is not finite or a solution too large for `T`,
     /// with [`SolveError::NotConverged`] if the criterion is met neither within the limit nor by the rounding floor.
     pub fn solve(&mut self, b: &[T], x: &mut [T], stop: Stop) -> Result<Statistics, SolveError> {
-        let deviation = self.solve_deviation(b, x, stop)?;
-        self.finish_checked(x, &deviation)?;
-        Ok(deviation.statistics)
+        let mut deviation = std::mem::take(&mut self.deviation);
+        let done = self.solve_deviation(b, x, stop, &mut deviation).and_then(|()| self.finish_checked(x, &deviation));
+        self.deviation = deviation;
+        done.map(|()| self.deviation.statistics)
     }
 
-    /// Solves A x = b for the parts of x = constants + factor · y; `y` is overwritten, its rim is zero or wrapped. The
-    /// vectors inside are of unit size, so neither tiny nor huge b and kappa under- or overflow in `f32`. Fails as
-    /// [`solve`](Self::solve) does.
-    pub fn solve_deviation(&mut self, b: &[T], y: &mut [T], stop: Stop) -> Result<Deviation, SolveError> {
+    /// Solves A x = b for the parts of x = constants + factor · y; `y` and `found` are overwritten, the rim of y is zero or
+    /// wrapped. The vectors inside are of unit size, so neither tiny nor huge b and kappa under- or overflow in `f32`. Fails
+    /// as [`solve`](Self::solve) does, and leaves no solution in `found` then.
+    pub fn solve_deviation(
+        &mut self,
+        b: &[T],
+        y: &mut [T],
+        stop: Stop,
+        found: &mut Deviation,
+    ) -> Result<(), SolveError> {
         let goal = match stop {
             Stop::Relative(tolerance) => Goal::Relative(tolerance),
             Stop::Largest(tolerance) => Goal::Largest(tolerance),
         };
-        (compiled().run)(self, b, y, goal)
+        (compiled().run)(self, b, y, goal, found)
     }
 
     /// x = constants + factor · y, in place, with the rim wrapped along periodic axes.
@@ -195,7 +204,8 @@ impl<T: Real, const D: usize> Solver<T, D> {
     }
 
     fn finish_here(&self, y: &mut [T], deviation: &Deviation) {
-        self.deflation.scale_and_shift(&self.layout, y, deviation.factor, &deviation.constants);
+        let constant = |i| deviation.constants.get(i).copied().unwrap_or(0.0);
+        self.deflation.scale_and_shift(&self.layout, y, deviation.factor, constant);
         self.engine.operator().wrap(y);
     }
 
@@ -207,17 +217,6 @@ impl<T: Real, const D: usize> Solver<T, D> {
         }
         self.finish(y, deviation);
         Ok(())
-    }
-
-    /// x += constants, per component.
-    pub fn add_constants(&self, x: &mut [T], deviation: &Deviation) {
-        (compiled().add_constants)(self, x, deviation);
-    }
-
-    fn add_constants_here(&self, x: &mut [T], deviation: &Deviation) {
-        if deviation.constants.iter().any(|&c| c != 0.0) {
-            self.deflation.shift(&self.layout, x, &deviation.constants);
-        }
     }
 
     /// A bound of the rounding of max|r| for any x with max|x| = `largest`: 8 eps (alpha + 2 W) `largest`, W the largest
@@ -232,32 +231,34 @@ impl<T: Real, const D: usize> Solver<T, D> {
         if found == expected { Ok(()) } else { Err(SolveError::Length { what, expected, found }) }
     }
 
-    fn run(&mut self, b: &[T], y: &mut [T], goal: Goal) -> Result<Deviation, SolveError> {
+    fn run(&mut self, b: &[T], y: &mut [T], goal: Goal, found: &mut Deviation) -> Result<(), SolveError> {
         self.check_length("the right-hand side", b)?;
         self.check_length("the solution", y)?;
         let (pool, layout) = (self.pool.clone(), self.layout);
         pool.fetch(&layout, self.scratch());
-        let done = self.run_with_vectors(b, y, goal);
+        let done = self.run_with_vectors(b, y, goal, found);
         pool.release(self.scratch());
         done
     }
 
-    fn run_with_vectors(&mut self, b: &[T], y: &mut [T], goal: Goal) -> Result<Deviation, SolveError> {
+    fn run_with_vectors(&mut self, b: &[T], y: &mut [T], goal: Goal, found: &mut Deviation) -> Result<(), SolveError> {
         let (layout, tolerance) = (self.layout, goal.tolerance());
         if tolerance.is_nan() || tolerance < 0.0 {
             return Err(SolveError::Coefficient { name: "tolerance", value: tolerance });
         }
         layout.clear_rim(y);
-        let mut rhs = Rhs::new(&layout, b, self.fluid.as_deref()).ok_or(NOT_FINITE_RHS)?;
+        let Deviation { constants: means, removed, .. } = found;
+        for each in [&mut *means, removed] {
+            each.clear();
+            each.resize(self.deflation.count(), 0.0);
+        }
+        let mut rhs = Rhs::new(&layout, b, self.fluid.as_deref(), means).ok_or(NOT_FINITE_RHS)?;
         let start = rhs.load_deflated(&layout, &self.deflation, &mut self.vectors.r);
         let unit = rhs.unit;
         let wanted = match goal {
             Goal::Relative(tolerance) => tolerance * start.two,
             Goal::Largest(tolerance) => tolerance / unit,
         };
-        let (mut constants, mut removed) = (vec![0.0; rhs.means.len()], vec![0.0; rhs.means.len()]);
-        let (target, divisor) = if self.alpha > 0.0 { (&mut constants, self.alpha) } else { (&mut removed, 1.0) };
-        target.iter_mut().zip(&rhs.means).for_each(|(t, m)| *t = m * unit / divisor);
         let task = Task {
             layout,
             rhs,
@@ -299,11 +300,16 @@ impl<T: Real, const D: usize> Solver<T, D> {
             largest: reached.largest * unit,
             at_floor,
         };
-        Ok(Deviation { factor: unit / self.scale, constants, removed, statistics, size: reached.solution })
+        for (constant, removed) in found.constants.iter_mut().zip(&mut found.removed) {
+            let mean = *constant * unit;
+            (*constant, *removed) = if self.alpha > 0.0 { (mean / self.alpha, 0.0) } else { (0.0, mean) };
+        }
+        (found.factor, found.statistics, found.size) = (unit / self.scale, statistics, reached.solution);
+        Ok(())
     }
 }
 
-type Run<T, const D: usize> = fn(&mut Solver<T, D>, &[T], &mut [T], Goal) -> Result<Deviation, SolveError>;
+type Run<T, const D: usize> = fn(&mut Solver<T, D>, &[T], &mut [T], Goal, &mut Deviation) -> Result<(), SolveError>;
 type Make<T, const D: usize> = fn(&Helmholtz<'_, D>, Options) -> Result<Solver<T, D>, SolveError>;
 
 /// What is compiled here, once, and not again in every crate that solves.
@@ -313,7 +319,6 @@ struct Compiled<T, const D: usize> {
     apply: fn(&Solver<T, D>, &mut [T], &mut [T]),
     precondition: fn(&mut Solver<T, D>, &[T], &mut [T]),
     finish: fn(&Solver<T, D>, &mut [T], &Deviation),
-    add_constants: fn(&Solver<T, D>, &mut [T], &Deviation),
 }
 
 impl<T: Real, const D: usize> Compiled<T, D> {
@@ -323,7 +328,6 @@ impl<T: Real, const D: usize> Compiled<T, D> {
         apply: Solver::apply_here,
         precondition: Solver::precondition_here,
         finish: Solver::finish_here,
-        add_constants: Solver::add_constants_here,
     };
 }
 

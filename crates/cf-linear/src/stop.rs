@@ -27,8 +27,9 @@ pub struct Statistics {
 }
 
 /// A solution written as constants plus a scaled deviation: x = constant(component) + factor · y. Conserving operators
-/// have one constant per connected component ([`Solver::add_constants`](crate::Solver::add_constants)); others have none.
-#[derive(Debug, Clone, PartialEq)]
+/// have one constant per connected component ([`Solver::finish`](crate::Solver::finish)); others have none. One that is used
+/// again for the next solve allocates nothing.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Deviation {
     /// Multiplies y.
     pub factor: f64,

@@ -44,14 +44,19 @@ pub(crate) struct Rhs<'a, T> {
     /// A power of two, so that scaling is exact.
     pub unit: f64,
     /// Means of the scaled right-hand side, by component.
-    pub means: Vec<f64>,
+    pub means: &'a mut [f64],
     /// Sum of b, where it is known and finite.
     sum: Option<f64>,
 }
 
 impl<'a, T: Real> Rhs<'a, T> {
-    /// Chooses the unit; `None` if a value is not finite.
-    pub fn new<const D: usize>(layout: &Layout<D>, b: &'a [T], fluid: Option<&'a [bool]>) -> Option<Self> {
+    /// Chooses the unit; `None` if a value is not finite. `means` is for what is taken out, zeros now.
+    pub fn new<const D: usize>(
+        layout: &Layout<D>,
+        b: &'a [T],
+        fluid: Option<&'a [bool]>,
+        means: &'a mut [f64],
+    ) -> Option<Self> {
         let (sum, largest) = match fluid {
             None => {
                 let (sum, largest): (f64, Max) = layout.par_runs(
@@ -78,14 +83,14 @@ impl<'a, T: Real> Rhs<'a, T> {
                 (None, largest.0)
             }
         };
-        largest.is_finite().then(|| Self { b, fluid, unit: unit_of(largest), means: Vec::new(), sum })
+        largest.is_finite().then(|| Self { b, fluid, unit: unit_of(largest), means, sum })
     }
 
     /// Writes a row of it; the mean of a whole box is left out, rounded once.
     #[inline(always)]
     fn fill<const D: usize>(&self, deflation: &Deflation, run: &Run<'_, D>, r: &mut [T]) {
         let inverse = 1.0 / self.unit;
-        let whole = if let (Deflation::Whole, [mean]) = (deflation, &self.means[..]) { *mean } else { 0.0 };
+        let whole = if let (Deflation::Whole, [mean]) = (deflation, &*self.means) { *mean } else { 0.0 };
         for (r, &b) in r.iter_mut().zip(run.row(self.b)) {
             *r = T::of(b.f64() * inverse - whole);
         }
@@ -108,8 +113,7 @@ impl<'a, T: Real> Rhs<'a, T> {
             },
         );
         if let Deflation::Components(_) = deflation {
-            let negative: Vec<f64> = self.means.iter().map(|m| -m).collect();
-            deflation.shift(layout, r, &negative);
+            deflation.scale_and_shift(layout, r, 1.0, |i| -self.means[i]);
         }
         Norms { two: square.sqrt(), largest: largest.0, sum, solution: 0.0, weighted: None }
     }
@@ -131,21 +135,20 @@ impl<'a, T: Real> Rhs<'a, T> {
                     },
                     |sum| sum * inverse,
                 );
-                self.means = vec![sum / layout.count() as f64];
+                self.means[0] = sum / layout.count() as f64;
                 let loaded = self.load(layout, deflation, r);
                 // Rounding leaves a mean where the constant is far larger than the rest.
                 if loaded.sum.abs() <= f64::EPSILON * loaded.largest * layout.count() as f64 {
                     return loaded;
                 }
-                self.means[0] += deflation.project(layout, r)[0];
+                deflation.project(layout, r, |i, left| self.means[i] += left);
                 norms(layout, r)
             }
             Deflation::Components(_) => {
                 self.load(layout, deflation, r);
-                self.means = deflation.project(layout, r);
                 // Twice: the second mean is what rounding left of the first.
-                for (m, left) in self.means.iter_mut().zip(deflation.project(layout, r)) {
-                    *m += left;
+                for _ in 0..2 {
+                    deflation.project(layout, r, |i, mean| self.means[i] += mean);
                 }
                 norms(layout, r)
             }
@@ -342,7 +345,7 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
                 |ay, b| b - ay,
                 |_, _| (),
             );
-            deflation.project(&self.layout, &mut v.r);
+            deflation.project(&self.layout, &mut v.r, |_, _| ());
             reached = Norms { solution: reached.solution, weighted: reached.weighted, ..norms(&self.layout, &v.r) };
         }
         (total, reached)

@@ -1,5 +1,6 @@
 //! Tests of cf-linear, one binary.
 
+mod allocations;
 mod bound;
 mod chebyshev;
 mod common;

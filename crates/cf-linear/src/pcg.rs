@@ -224,3 +224,60 @@ fn move_along<T: Real, const D: usize>(layout: &Layout<D>, p: &[T], step: f64, f
     );
     largest.0
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::helmholtz::Helmholtz;
+    use crate::multigrid::Multigrid;
+    use crate::norms::norms;
+    use cf_grid::{Mask, Sides};
+    use std::cell::Cell;
+
+    /// Four iterations in a closed box, from a residual with a mean. Returns the norms that were told of the residual
+    /// left, those that it has, and the mean that it has in the left part.
+    fn run(mask: Option<&Mask<2>>, mean: f64) -> (Norms, Norms, f64) {
+        let layout = Layout::new([40, 31]).unwrap();
+        let operator = Helmholtz::new(&layout, 0.0, 1.0, Sides::all(0.0));
+        let operator = if let Some(mask) = mask { operator.with_mask(mask) } else { operator };
+        let (mut multigrid, deflation) = (Multigrid::<f64, 2>::new(&operator), Deflation::new(&operator));
+        let (mut v, [mut x, mut z]) = (Vectors::new(&layout), [(); 2].map(|()| vec![0.0; layout.slots()]));
+        let fluid = |slot: usize| mask.is_none_or(|mask| mask.fluid()[slot]);
+        let value = |slot: usize| if fluid(slot) { (0.37 * slot as f64).sin() } else { 0.0 };
+        layout.par_cells(&mut v.r, |at| value(at.slot()));
+        deflation.project(&layout, &mut v.r, |_, _| ());
+        layout.each_cell(layout.cells_region(), |at| v.r[at.slot()] += if fluid(at.slot()) { mean } else { 0.0 });
+        let start = norms(&layout, &v.r);
+        let (told, calls) = (Cell::new(start), Cell::new(0));
+        let done = |norms| {
+            told.set(norms);
+            calls.replace(calls.get() + 1) == 4
+        };
+        let (finest, mut cycle) = multigrid.split();
+        let made = iterate(finest, &mut cycle, &deflation, 0.0, &mut x, true, &mut v, &mut z, start, done, 9);
+        assert_eq!(made, 4);
+        let mut left = (0.0, 0.0);
+        layout.each_cell(layout.cells_region(), |at| {
+            if at.cell[0] < 20 && fluid(at.slot()) {
+                left = (left.0 + v.r[at.slot()], left.1 + 1.0);
+            }
+        });
+        (told.get(), norms(&layout, &v.r), left.0 / left.1)
+    }
+
+    #[test]
+    fn running_norms_are_those_of_the_residual() {
+        let (told, found, _) = run(None, 0.0);
+        assert!((told.two / found.two - 1.0).abs() < 1e-12 && (told.largest / found.largest - 1.0).abs() < 1e-3);
+    }
+
+    /// A correction has no constant part, so that one in the residual would stay.
+    #[test]
+    fn a_drifted_constant_is_taken_out() {
+        let (_, found, _) = run(None, 1e-2);
+        assert!(found.sum.abs() < 1e-12 && found.two < 1e-2, "{found:?}");
+        let wall = Mask::new(&Layout::new([40, 31]).unwrap(), |cell| cell[0] != 20);
+        let (_, found, left) = run(Some(&wall), 1e-2);
+        assert!(left.abs() < 1e-12 && found.two < 1e-2, "{left:e} {found:?}");
+    }
+}

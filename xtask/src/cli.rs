@@ -1,6 +1,6 @@
 //! The command line.
 
-use crate::bench::{Cells, Numbers, Strength, Tolerance, Walls};
+use crate::bench::{Cells, Numbers, Solids, Strength, Tolerance, Walls};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -213,6 +213,9 @@ pub struct SolverArgs {
     /// What all sides of the box are.
     #[arg(long, value_enum, value_delimiter = ',')]
     pub walls: Vec<Walls>,
+    /// Obstacles; open where there are none.
+    #[arg(long, value_enum, value_delimiter = ',')]
+    pub solids: Vec<Solids>,
     /// beta/h² beside alpha = 1, or poisson for alpha = 0.
     #[arg(long, value_name = "KAPPA|poisson", value_delimiter = ',')]
     pub kappa: Vec<Strength>,
@@ -228,6 +231,9 @@ pub struct SolverArgs {
     /// Times each solve is made at least; the median counts. 3 unless given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub runs: Option<u16>,
+    /// Also each sweep of a solve alone, beside the passes that docs/solver.md counts.
+    #[arg(long)]
+    pub kernels: bool,
     /// In turn with hypre's PFMG: 128x128x128 and 256x256x256, both tolerances, 1 and all threads, unless given.
     #[arg(long)]
     pub peers: bool,
@@ -239,9 +245,8 @@ pub struct SolverArgs {
 impl SolverArgs {
     /// Whether any axis of the problems is given.
     pub fn fixes_an_axis(&self) -> bool {
-        let SolverArgs { cells, walls, kappa, tolerance, precision, threads, all: _, runs: _, peers: _, mpicc: _ } =
-            self;
-        ![cells.len(), walls.len(), kappa.len(), tolerance.len(), precision.len(), threads.len()]
+        let SolverArgs { cells, walls, solids, kappa, tolerance, precision, threads, .. } = self;
+        ![cells.len(), walls.len(), solids.len(), kappa.len(), tolerance.len(), precision.len(), threads.len()]
             .iter()
             .all(|&n| n == 0)
     }

@@ -43,6 +43,7 @@ mod engine;
 mod error;
 mod fused;
 mod helmholtz;
+mod kernels;
 mod level;
 mod multigrid;
 mod norms;
@@ -56,6 +57,7 @@ mod transfer;
 
 pub use error::SolveError;
 pub use helmholtz::Helmholtz;
+pub use kernels::Kernel;
 pub use plan::{Choice, Plan, chebyshev_count};
 pub use solver::{Options, Precision, Solver};
 pub use stop::{Deviation, Statistics, Stop};

@@ -12,6 +12,7 @@ use crate::coarse::CoarseSolver;
 use crate::deflate::Deflation;
 use crate::fused::{Fused, Products, Scratch};
 use crate::helmholtz::Helmholtz;
+use crate::kernels::Clock;
 use crate::level::{Coefficients, LevelOperator};
 use crate::stencil::{BoxStencil, StoredStencil};
 use crate::transfer::Transfer;
@@ -192,6 +193,31 @@ impl<T: Real, const D: usize> Cycle<'_, T, D> {
             },
         );
         Products { bx, xax: finest.apply(x, scratch), x: sum }
+    }
+}
+
+impl<T: Real, const D: usize> Cycle<'_, T, D> {
+    /// The parts of [`run`](Self::run) against the clock: the two fused sweeps and what is below them, or the cycle as a whole. `size` is
+    /// that of a number here, relative to those of b.
+    pub fn time<B: Real>(&mut self, b: &[B], x: &mut [T], deflation: &Deflation, size: f64, clock: &mut Clock) {
+        let part = size / f64::from(1 << D);
+        if let (Some(step), Some((next, below))) = (self.steps.first(), self.coarser.split_first_mut())
+            && let Some(fused) = &step.fused
+        {
+            let (steps, Work { threads, sums }) = (&self.steps[1..], &mut *self.work);
+            clock.time("descend", 1.0, 1.0 + part, || fused.descend(b, 1.0, &mut next.b, threads));
+            clock.time("ascend", 1.0, 1.0 + size + part, || {
+                fused.ascend(b, 1.0, &next.x, x, sums, threads);
+            });
+            let (coarsest, work) = (&mut *self.coarsest, &mut *self.work);
+            // Each level is 2^-D of the one above.
+            let below_all = (3.0 * size + 2.0 * part) / f64::from((1 << D) - 1);
+            clock.time("coarse levels", 1.0, below_all, || visit(next, steps, below, coarsest, work));
+            return;
+        }
+        clock.time("cycle, not fused", 1.0, f64::NAN, || {
+            self.run(b, 1.0, x, deflation);
+        });
     }
 }
 

@@ -86,15 +86,7 @@ pub(crate) fn iterate<T: Real, Z: Real, const D: usize>(
             }
         };
         last = Some((rho, curvature));
-        let step = T::of(step);
-        let (square, sum, largest) = operator.sweep(
-            &mut v.p,
-            &mut v.r,
-            #[inline(always)]
-            move |ap, r| r - step * ap,
-            #[inline(always)]
-            |_, r| running_norms(r),
-        );
+        let (square, sum, largest) = reduce(operator, step, &mut v.p, &mut v.r);
         norms = Norms { two: square.sqrt(), largest: largest.0, sum, weighted: None, ..norms };
         // Rounding slowly gives the residual a constant part, which no correction can remove.
         let drifted = match deflation {
@@ -128,8 +120,26 @@ fn direction<T: Real, Z: Real>([unit, mean, beta]: [T; 3], first: bool) -> impl 
     )
 }
 
+/// r -= step · A p; returns r·r, Σ r and max|r|.
+pub(crate) fn reduce<T: Real, const D: usize>(
+    operator: &LevelOperator<T, D>,
+    step: f64,
+    p: &mut [T],
+    r: &mut [T],
+) -> (f64, f64, Max) {
+    let step = T::of(step);
+    operator.sweep(
+        p,
+        r,
+        #[inline(always)]
+        move |ap, r| r - step * ap,
+        #[inline(always)]
+        |_, r| running_norms(r),
+    )
+}
+
 /// p = unit z - mean + beta p.
-fn turn<T: Real, Z: Real, const D: usize>(
+pub(crate) fn turn<T: Real, Z: Real, const D: usize>(
     layout: &Layout<D>,
     deflation: &Deflation,
     z: &[Z],
@@ -155,7 +165,7 @@ fn turn<T: Real, Z: Real, const D: usize>(
 }
 
 /// x += before · p, p = unit z - mean + beta p, x += step · p; returns max|x|. A `fresh` x counts as zero.
-fn advance<T: Real, Z: Real, const D: usize>(
+pub(crate) fn advance<T: Real, Z: Real, const D: usize>(
     layout: &Layout<D>,
     deflation: &Deflation,
     z: &[Z],

@@ -6,11 +6,12 @@ use crate::deflate::Deflation;
 use crate::engine::Engine;
 use crate::error::SolveError;
 use crate::helmholtz::Helmholtz;
+use crate::kernels::{Clock, Kernel};
 use crate::norms::largest;
 use crate::pcg::Vectors;
 use crate::plan::{Choice, Plan};
 use crate::stop::{Deviation, Statistics, Stop};
-use crate::task::{Goal, Rhs, Task};
+use crate::task::{Goal, Rhs, Scaled, Task};
 
 /// Precision of the preconditioner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,11 +48,8 @@ pub struct Solver<T, const D: usize> {
     layout: Layout<D>,
     alpha: f64,
     scale: f64,
-    conductance: f64,
-    /// Diagonal of an inner cell.
-    inner: f64,
+    scaled: Scaled,
     choice: Choice,
-    options: Options,
     deflation: Deflation,
     fluid: Option<Vec<bool>>,
     engine: Engine<T, D>,
@@ -89,11 +87,14 @@ impl<T: Real, const D: usize> Solver<T, D> {
             layout,
             alpha: helmholtz.alpha(),
             scale,
-            conductance: helmholtz.conductance(),
-            inner,
+            scaled: Scaled {
+                alpha: helmholtz.alpha() / scale,
+                conductance: helmholtz.conductance() / scale,
+                inner: inner / scale,
+                limit: options.limit,
+            },
             engine: Engine::new(helmholtz, choice.plan, options.precision),
             choice,
-            options,
             deflation: Deflation::new(helmholtz),
             fluid: helmholtz.mask().map(|m| m.fluid().to_vec()),
             vectors: Vectors::new(&layout),
@@ -181,6 +182,36 @@ impl<T: Real, const D: usize> Solver<T, D> {
         done.map(|()| self.deviation.statistics)
     }
 
+    /// Solves, and then makes each sweep of that solve `runs` times against the clock, for benchmarks; `x` is only scratch.
+    /// Empty for plans without a preconditioner. Fails as [`solve`](Self::solve) does.
+    pub fn kernels(&mut self, b: &[T], x: &mut [T], stop: Stop, runs: usize) -> Result<Vec<Kernel>, SolveError> {
+        (compiled().kernels)(self, b, x, stop, runs)
+    }
+
+    fn kernels_here(&mut self, b: &[T], x: &mut [T], stop: Stop, runs: usize) -> Result<Vec<Kernel>, SolveError> {
+        self.solve(b, x, stop)?;
+        if self.choice.plan != Plan::Multigrid {
+            return Ok(Vec::new());
+        }
+        let (pool, layout) = (self.pool.clone(), self.layout);
+        pool.fetch(&layout, self.scratch());
+        let mut clock = Clock { runs, found: Vec::new() };
+        let mut means = vec![0.0; self.deflation.count()];
+        clock.time("right-hand side", 0.0, 3.0, || {
+            if let Some(mut rhs) = Rhs::new(&layout, b, self.fluid.as_deref(), &mut means) {
+                rhs.load_deflated(&layout, &self.deflation, &mut self.vectors.r);
+            }
+        });
+        if let Some(rhs) = Rhs::new(&layout, b, self.fluid.as_deref(), &mut means) {
+            let (goal, deflation, scaled) = (Goal::Largest(0.0), &self.deflation, self.scaled);
+            let task = Task { layout, rhs, deflation, goal, wanted: 0.0, scaled };
+            task.time(&mut self.engine, x, &mut self.vectors, &mut clock);
+        }
+        clock.time("x = constants + factor y", 0.0, 2.0, || self.finish_here(x, &self.deviation));
+        pool.release(self.scratch());
+        Ok(clock.found)
+    }
+
     /// Solves A x = b for the parts of x = constants + factor · y; `y` and `found` are overwritten, the rim of y is zero or
     /// wrapped. The vectors inside are of unit size, so neither tiny nor huge b and kappa under- or overflow in `f32`. Fails
     /// as [`solve`](Self::solve) does, and leaves no solution in `found` then.
@@ -259,17 +290,7 @@ impl<T: Real, const D: usize> Solver<T, D> {
             Goal::Relative(tolerance) => tolerance * start.two,
             Goal::Largest(tolerance) => tolerance / unit,
         };
-        let task = Task {
-            layout,
-            rhs,
-            deflation: &self.deflation,
-            goal,
-            wanted,
-            alpha: self.alpha / self.scale,
-            conductance: self.conductance / self.scale,
-            inner: self.inner / self.scale,
-            limit: self.options.limit,
-        };
+        let task = Task { layout, rhs, deflation: &self.deflation, goal, wanted, scaled: self.scaled };
         let v = &mut self.vectors;
         let (iterations, reached) = if task.met(start) || task.at_floor(start) {
             layout.par_cells(y, |_| T::ZERO);
@@ -310,6 +331,7 @@ impl<T: Real, const D: usize> Solver<T, D> {
 }
 
 type Run<T, const D: usize> = fn(&mut Solver<T, D>, &[T], &mut [T], Goal, &mut Deviation) -> Result<(), SolveError>;
+type Kernels<T, const D: usize> = fn(&mut Solver<T, D>, &[T], &mut [T], Stop, usize) -> Result<Vec<Kernel>, SolveError>;
 type Make<T, const D: usize> = fn(&Helmholtz<'_, D>, Options) -> Result<Solver<T, D>, SolveError>;
 
 /// What is compiled here, once, and not again in every crate that solves.
@@ -319,6 +341,7 @@ struct Compiled<T, const D: usize> {
     apply: fn(&Solver<T, D>, &mut [T], &mut [T]),
     precondition: fn(&mut Solver<T, D>, &[T], &mut [T]),
     finish: fn(&Solver<T, D>, &mut [T], &Deviation),
+    kernels: Kernels<T, D>,
 }
 
 impl<T: Real, const D: usize> Compiled<T, D> {
@@ -328,6 +351,7 @@ impl<T: Real, const D: usize> Compiled<T, D> {
         apply: Solver::apply_here,
         precondition: Solver::precondition_here,
         finish: Solver::finish_here,
+        kernels: Solver::kernels_here,
     };
 }
 

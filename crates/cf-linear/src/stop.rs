@@ -22,7 +22,7 @@ pub struct Statistics {
     pub largest: f64,
     /// The residual is above the tolerance, but no larger than rounding explains row by row: 4 eps ‖diagonal · x‖ in the
     /// norm of the criterion (of x - mean for conserving operators), so that a strong wall or a large share counts only
-    /// where it is. Going on from the true residual did not halve it any more.
+    /// where it is.
     pub at_floor: bool,
 }
 

@@ -7,6 +7,7 @@ use cf_grid::{Layout, Max, Real, Run};
 use crate::chebyshev;
 use crate::deflate::Deflation;
 use crate::engine::Engine;
+use crate::kernels::{self, Clock};
 use crate::level::LevelOperator;
 use crate::multigrid::Cycle;
 use crate::norms::{Norms, norms, residual_norms, row_largest};
@@ -187,11 +188,18 @@ pub(crate) struct Task<'a, T, const D: usize> {
     pub goal: Goal,
     /// The goal's norm in units.
     pub wanted: f64,
-    /// alpha/scale and the largest sum of a cell's conductances/scale.
+    pub scaled: Scaled,
+}
+
+/// What a solve knows of its operator, divided by the scale, and where it gives up.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Scaled {
     pub alpha: f64,
+    /// Largest sum of a cell's conductances.
     pub conductance: f64,
-    /// The diagonal of an inner cell/scale, where shares are 1.
+    /// The diagonal of an inner cell, where shares are 1.
     pub inner: f64,
+    /// Iterations.
     pub limit: usize,
 }
 
@@ -233,7 +241,7 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
 
     /// x = b/alpha.
     pub fn diagonal(&self, operator: &LevelOperator<T, D>, y: &mut [T], v: &mut Vectors<T>) -> (usize, Norms) {
-        let gain = T::of(1.0 / self.alpha);
+        let gain = T::of(1.0 / self.scaled.alpha);
         let r = &v.r[..];
         self.layout.par_runs(
             self.layout.cells_region(),
@@ -256,8 +264,8 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
         start: Norms,
     ) -> (usize, Norms) {
         v.p.fill(T::ZERO);
-        let limit = CHEBYSHEV_PER_PCG.saturating_mul(self.limit);
-        let radius = chebyshev::radius(self.alpha, self.conductance);
+        let limit = CHEBYSHEV_PER_PCG.saturating_mul(self.scaled.limit);
+        let radius = chebyshev::radius(self.scaled.alpha, self.scaled.conductance);
         // No use aiming below rounding.
         let reduction = (self.wanted / self.measure(start)).max(0.1 * T::EPSILON);
         let mut count = chebyshev::count(radius, reduction);
@@ -278,6 +286,25 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
             count = (count / 4 + 1).max(chebyshev::count(radius, (self.wanted / now).max(0.1 * T::EPSILON)));
         }
         (total, reached)
+    }
+
+    /// The sweeps of a solve by [`conjugate_gradients`](Self::conjugate_gradients) against the clock.
+    pub fn time(&self, engine: &mut Engine<T, D>, y: &mut [T], v: &mut Vectors<T>, clock: &mut Clock) {
+        match engine {
+            Engine::Plain(_) => {}
+            Engine::Same { multigrid, z } => {
+                let (operator, mut cycle) = multigrid.split();
+                kernels::iteration(operator, &mut cycle, self.deflation, y, v, z, clock);
+            }
+            Engine::Single { multigrid, operator, z } => {
+                let (_, mut cycle) = multigrid.split();
+                kernels::iteration(&**operator, &mut cycle, self.deflation, y, v, z, clock);
+            }
+        }
+        let operator = engine.operator();
+        clock.time("true residual", 0.0, 2.0, || {
+            self.true_residual(operator, y, v);
+        });
     }
 
     /// PCG. Its residual drifts from the true one by rounding: that is computed at the end, and PCG goes on from it if
@@ -314,7 +341,7 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
         let (mut total, mut reached) = (0, start);
         // Norm of diagonal · y per max|y|: that of inner cells until the first true residual tells.
         let cells = self.layout.count() as f64;
-        let mut weights = [self.inner * cells.sqrt(), self.inner];
+        let mut weights = [self.scaled.inner * cells.sqrt(), self.scaled.inner];
         for restart in 0..RESTARTS {
             // Below rounding no true residual follows. After a restart a margin is left for what it may stay behind.
             let margin = if restart == 0 { 1.0 } else { 0.5 };
@@ -322,8 +349,8 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
                 let rounding = self.floor(Norms { weighted: Some(weights.map(|w| w * n.solution)), ..n });
                 self.measure(n) <= (margin * self.wanted).max(HOPELESS * rounding) || !n.two.is_finite()
             };
-            let left = self.limit.saturating_sub(total);
-            let (alpha, deflation) = (self.alpha, self.deflation);
+            let left = self.scaled.limit.saturating_sub(total);
+            let (alpha, deflation) = (self.scaled.alpha, self.deflation);
             let fresh = restart == 0;
             let made = pcg::iterate(operator, cycle, deflation, alpha, y, fresh, v, z, reached, done, left);
             if fresh && made == 0 {
@@ -334,7 +361,8 @@ impl<T: Real, const D: usize> Task<'_, T, D> {
             if let Some(weighted) = reached.weighted {
                 weights = weighted.map(|w| w / reached.solution.max(f64::MIN_POSITIVE));
             }
-            if self.met(reached) || total >= self.limit || !self.halved(before, reached) {
+            let ended = self.met(reached) || self.at_floor(reached);
+            if ended || total >= self.scaled.limit || !self.halved(before, reached) {
                 break;
             }
             self.rhs.load(&self.layout, deflation, &mut v.r);

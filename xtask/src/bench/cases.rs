@@ -1,7 +1,7 @@
 //! Which problems are measured. Without flags, every axis is varied around one central case; a flag fixes an axis, the
 //! others stay at the centre; `--all` takes every combination.
 
-use super::problem::{Cells, Numbers, Problem, Strength, Tolerance, Walls};
+use super::problem::{Cells, Numbers, Problem, Solids, Strength, Tolerance, Walls};
 use crate::cli::SolverArgs;
 
 /// Smaller tolerances are below what single precision resolves.
@@ -12,6 +12,7 @@ const FINEST_F32: f64 = f32::EPSILON as f64;
 struct Axes {
     cells: Vec<Cells>,
     walls: Vec<Walls>,
+    solids: Vec<Solids>,
     strength: Vec<Strength>,
     tolerance: Vec<Tolerance>,
     numbers: Vec<Numbers>,
@@ -24,6 +25,7 @@ impl Axes {
         Axes {
             cells: vec![Cells(vec![256; 3])],
             walls: vec![Walls::Closed],
+            solids: vec![Solids::Open],
             strength: vec![Strength::Poisson],
             tolerance: vec![Tolerance(1e-6)],
             numbers: vec![Numbers::F64],
@@ -37,6 +39,8 @@ impl Axes {
         Axes {
             cells: cells.map(|axes| Cells(axes.to_vec())).to_vec(),
             walls: vec![Walls::Closed, Walls::Valued, Walls::Periodic],
+            // A maze takes three times as many iterations, and is only measured where asked for.
+            solids: vec![Solids::Open, Solids::Ball, Solids::Wall, Solids::Random],
             strength: [0.1, 10.0, 1e3, 1e5].map(Strength::Kappa).into_iter().chain([Strength::Poisson]).collect(),
             tolerance: vec![Tolerance(1e-6), Tolerance(1e-10)],
             numbers: vec![Numbers::F64, Numbers::Mixed, Numbers::F32],
@@ -59,6 +63,7 @@ impl Axes {
         Axes {
             cells: asked_or(&asked.cells, self.cells),
             walls: asked_or(&asked.walls, self.walls),
+            solids: asked_or(&asked.solids, self.solids),
             strength: asked_or(&asked.kappa, self.strength),
             tolerance: asked_or(&asked.tolerance, self.tolerance),
             numbers: asked_or(&asked.precision, self.numbers),
@@ -68,14 +73,15 @@ impl Axes {
 
     /// Every combination that the numbers can resolve.
     fn product(&self) -> Vec<Problem> {
-        let boxes = pairs(&self.cells, &self.walls);
+        let boxes = pairs(&pairs(&self.cells, &self.walls), &self.solids);
         let operators = pairs(&boxes, &self.strength);
         let methods = pairs(&pairs(&self.tolerance, &self.numbers), &self.threads);
         let mut cases: Vec<Problem> = pairs(&operators, &methods)
             .into_iter()
-            .map(|(((cells, walls), strength), ((tolerance, numbers), threads))| Problem {
+            .map(|((((cells, walls), solids), strength), ((tolerance, numbers), threads))| Problem {
                 cells,
                 walls,
+                solids,
                 strength,
                 tolerance,
                 numbers,
@@ -91,6 +97,7 @@ impl Axes {
         let arms = [
             Axes { cells: self.cells, ..centre.clone() },
             Axes { walls: self.walls, ..centre.clone() },
+            Axes { solids: self.solids, ..centre.clone() },
             Axes { strength: self.strength, ..centre.clone() },
             Axes { tolerance: self.tolerance, ..centre.clone() },
             Axes { numbers: self.numbers, ..centre.clone() },
@@ -130,10 +137,10 @@ pub fn ours(asked: &SolverArgs, threads: usize) -> Vec<Problem> {
     }
 }
 
-/// What is compared with others, which know double precision only.
+/// What is compared with others, which know double precision and boxes without obstacles only.
 pub fn peers(asked: &SolverArgs, threads: usize) -> Vec<Problem> {
     let mut cases = Axes::peers(threads).asked(asked).product();
-    cases.retain(|case| case.numbers == Numbers::F64);
+    cases.retain(|case| case.numbers == Numbers::F64 && case.solids == Solids::Open);
     cases
 }
 
@@ -144,16 +151,16 @@ mod tests {
     #[test]
     fn the_default_varies_one_axis_at_a_time() {
         let cases = ours(&SolverArgs::default(), 2);
-        assert_eq!(cases.len(), 1 + 4 + 2 + 4 + 1 + 2 + 1);
+        assert_eq!(cases.len(), 1 + 4 + 2 + 3 + 4 + 1 + 2 + 1);
         assert_eq!(ours(&SolverArgs::default(), 1).len(), cases.len() - 1);
     }
 
     #[test]
     fn everything_is_every_combination_that_numbers_resolve() {
         let all = SolverArgs { all: true, ..SolverArgs::default() };
-        assert_eq!(ours(&all, 2).len(), 5 * 3 * 5 * (2 * 2 + 1) * 2);
+        assert_eq!(ours(&all, 2).len(), 5 * 3 * 4 * 5 * (2 * 2 + 1) * 2);
         let flat = SolverArgs { cells: vec![Cells(vec![8, 8])], ..all };
-        assert_eq!(ours(&flat, 2).len(), 3 * 5 * (2 * 2 + 1) * 2);
+        assert_eq!(ours(&flat, 2).len(), 3 * 4 * 5 * (2 * 2 + 1) * 2);
     }
 
     #[test]
@@ -165,5 +172,7 @@ mod tests {
         assert_eq!(peers(&asked, 2).len(), 2 * 2 * 2);
         let single = SolverArgs { precision: vec![Numbers::F32], ..SolverArgs::default() };
         assert!(peers(&single, 2).is_empty());
+        let obstacles = SolverArgs { solids: vec![Solids::Maze], ..SolverArgs::default() };
+        assert_eq!((ours(&obstacles, 2).len(), peers(&obstacles, 2).len()), (1, 0));
     }
 }

@@ -4,6 +4,7 @@ use super::problem::Problem;
 use super::solver::{self, Turn};
 use crate::failure::{Exit, Failure};
 use serde_json::Value;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -38,11 +39,19 @@ impl Hypre {
         let (source, program) = (folder.join("hypre_pfmg.c"), folder.join("hypre_pfmg"));
         cf_output::write_text(&source, SOURCE)?;
         let missing = |why: String| Ok(Err(Missing(format!("hypre: {why}; {PACKAGES}"))));
+        // A compiler that makes nothing must not leave that of another day.
+        match std::fs::remove_file(&program) {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                return Err(Failure::io(format!("{}: {error}", program.display())));
+            }
+            _ => {}
+        }
         let mut compile = Command::new(compiler);
         compile.args(["-O2", HEADERS]).arg(&source).arg("-o").arg(&program).args(["-lHYPRE", "-lm"]);
         match compile.output() {
             Err(error) => return missing(format!("{} does not start ({error})", compiler.display())),
             Ok(done) if !done.status.success() => return missing(format!("does not compile ({})", complaint(&done))),
+            Ok(_) if !program.is_file() => return missing(format!("{} made no program", compiler.display())),
             Ok(_) => {}
         }
         match Command::new("mpirun").arg("--version").output() {
@@ -96,7 +105,7 @@ fn read(line: &str) -> Option<Turn> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::problem::{Cells, Numbers, Strength, Tolerance, Walls};
+    use crate::bench::problem::{Cells, Numbers, Solids, Strength, Tolerance, Walls};
 
     fn folder(name: &str) -> PathBuf {
         crate::bench::peers::folder().join(name)
@@ -107,6 +116,8 @@ mod tests {
         let missing = Hypre::build(Path::new("no-such-compiler"), &folder("missing")).unwrap().err().unwrap();
         assert!(missing.0.starts_with("hypre: no-such-compiler does not start"), "{}", missing.0);
         assert!(missing.0.ends_with(PACKAGES), "{}", missing.0);
+        let lazy = Hypre::build(Path::new("true"), &folder("missing")).unwrap().err().unwrap();
+        assert!(lazy.0.starts_with("hypre: true made no program"), "{}", lazy.0);
     }
 
     #[test]
@@ -126,7 +137,8 @@ mod tests {
         for walls in [Walls::Closed, Walls::Valued, Walls::Periodic] {
             for (cells, strength) in [(vec![16, 16, 16], Strength::Poisson), (vec![16, 8], Strength::Kappa(10.0))] {
                 let (tolerance, numbers) = (Tolerance(1e-10), Numbers::F64);
-                let problem = Problem { cells: Cells(cells), walls, strength, tolerance, numbers, threads: 2 };
+                let solids = Solids::Open;
+                let problem = Problem { cells: Cells(cells), walls, solids, strength, tolerance, numbers, threads: 2 };
                 let [ours, theirs] = [solver::turn(&problem).unwrap(), hypre.turn(&problem).unwrap()];
                 assert!((ours.norm - theirs.norm).abs() < 1e-8 * theirs.norm, "{problem}: {ours:?} {theirs:?}");
                 assert!(ours.residual.max(theirs.residual) < 2e-10, "{problem}: {ours:?} {theirs:?}");

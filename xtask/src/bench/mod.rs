@@ -19,6 +19,7 @@ pub(crate) mod timing;
 use crate::cli::{Bench, BenchArgs, SolverArgs};
 use crate::failure::{Exit, Failure};
 use crate::pool;
+use cf_linear::Kernel;
 use cf_scene::Limits;
 use peers::Comparison;
 use problem::Problem;
@@ -27,7 +28,7 @@ use solver::Measured;
 use std::sync::atomic::{AtomicBool, Ordering};
 use stream::Bandwidth;
 
-pub use problem::{Cells, Numbers, Strength, Tolerance, Walls};
+pub use problem::{Cells, Numbers, Solids, Strength, Tolerance, Walls};
 
 /// Measures and prints; ends after the measurement at hand when `stop` becomes true.
 pub fn bench(asked: &BenchArgs, stop: &AtomicBool) -> Result<(), Failure> {
@@ -60,6 +61,9 @@ pub fn bench(asked: &BenchArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if !rows.is_empty() {
         table::print(&rows, &bandwidth);
     }
+    for (problem, kernels) in &solves.kernels {
+        table::print_kernels(problem, kernels, &bandwidth);
+    }
     if !solves.comparisons.is_empty() {
         table::print_comparisons(&solves.comparisons);
     }
@@ -72,6 +76,7 @@ pub fn bench(asked: &BenchArgs, stop: &AtomicBool) -> Result<(), Failure> {
             "stream": bandwidth.document(),
             "rows": rows.iter().map(|row| table::row(row, &bandwidth)).collect::<Vec<Value>>(),
             "comparisons": solves.comparisons.iter().map(table::comparison).collect::<Vec<Value>>(),
+            "sweeps": solves.kernels.iter().map(|(problem, of)| table::kernels(problem, of, &bandwidth)).collect::<Vec<Value>>(),
             "skipped": work.skipped,
             "kernels": step::document(&steps, threads, &bandwidth),
         });
@@ -96,6 +101,7 @@ struct Work {
     peer: Option<hypre::Hypre>,
     skipped: Vec<String>,
     runs: usize,
+    kernels: bool,
 }
 
 /// What was solved, and what went wrong; the others went on.
@@ -103,13 +109,18 @@ struct Work {
 struct Solves {
     alone: Vec<Measured>,
     comparisons: Vec<Comparison>,
+    kernels: Vec<(Problem, Vec<Kernel>)>,
     failures: Vec<Exit>,
 }
 
 impl Work {
     fn new(asked: &SolverArgs, threads: usize) -> Result<Self, Failure> {
-        let mut work =
-            Work { runs: asked.runs.unwrap_or(3).into(), alone: cases::ours(asked, threads), ..Work::default() };
+        let mut work = Work {
+            runs: asked.runs.unwrap_or(3).into(),
+            alone: cases::ours(asked, threads),
+            kernels: asked.kernels,
+            ..Work::default()
+        };
         if asked.peers {
             match peers::prepare(asked)? {
                 Ok(hypre) => {
@@ -150,10 +161,17 @@ impl Work {
             complain!("{}/{count}: {problem}", i + 1);
             let outcome = match &self.peer {
                 Some(hypre) if i >= self.alone.len() => {
-                    peers::compare(hypre, problem, self.runs).and_then(|compared| {
-                        let checked = compared.check();
-                        solves.comparisons.push(compared);
-                        checked
+                    peers::compare(hypre, problem, self.runs).and_then(|(ours, theirs)| match theirs {
+                        Ok(theirs) => {
+                            let compared = Comparison { ours, theirs };
+                            let checked = compared.check();
+                            solves.comparisons.push(compared);
+                            checked
+                        }
+                        Err(failure) => {
+                            solves.alone.push(ours);
+                            Err(failure)
+                        }
                     })
                 }
                 _ => solver::measure(problem, self.runs).and_then(|measured| {
@@ -162,6 +180,12 @@ impl Work {
                     checked
                 }),
             };
+            let outcome = outcome.and_then(|()| {
+                if self.kernels {
+                    solves.kernels.push((problem.clone(), solver::kernels(problem, RUNS_OF_A_SWEEP)?));
+                }
+                Ok(())
+            });
             // Whoever asks for a stop may have stopped the peer as well.
             if let Err(failure) = outcome
                 && !stop.load(Ordering::Relaxed)
@@ -179,6 +203,9 @@ impl Solves {
         self.alone.iter().chain(compared).collect()
     }
 }
+
+/// Sweeps are short beside what disturbs them.
+const RUNS_OF_A_SWEEP: usize = 7;
 
 /// Refuses what this machine has no memory for.
 fn fits(problem: &Problem) -> Result<(), Failure> {
@@ -220,6 +247,7 @@ mod tests {
             "dimension",
             "cells",
             "walls",
+            "solids",
             "kappa",
             "tolerance",
             "precision",
@@ -240,6 +268,30 @@ mod tests {
             assert_eq!(row["method"], json!(if large { "cf Multigrid" } else { "cf Chebyshev" }), "{row:#}");
         }
         assert!(document["stream"][0]["bytes_per_second"].as_f64().unwrap() > 1e8);
+    }
+
+    #[test]
+    fn sweeps_and_obstacles_have_rows_of_their_own() {
+        let file = peers::folder().join("sweeps.json");
+        let path = file.to_string_lossy();
+        let line =
+            ["solver", "--cells", "16x16x16", "--solids", "open,random,ball,wall,maze", "--precision", "f64,mixed,f32"];
+        assert_eq!(run(&[&line[..], &["--kernels", "--runs", "1", "--json", &path]].concat()), Exit::Fine);
+        let document: Value = serde_json::from_str(&std::fs::read_to_string(&file).unwrap()).unwrap();
+        assert_eq!(document["rows"].as_array().map(Vec::len), Some(5 * 3));
+        for row in document["rows"].as_array().unwrap() {
+            assert!(row["solids"] == json!("open") || row["iterations"].as_u64().unwrap() >= 3, "{row:#}");
+        }
+        let sweeps = document["sweeps"].as_array().unwrap();
+        assert_eq!(sweeps.len(), 5 * 3);
+        // As docs/solver.md has it: 10.7 passes an iteration.
+        let sum = |sweeps: &Value| -> f64 {
+            let sweeps = sweeps["sweeps"].as_array().unwrap();
+            let number = |sweep: &Value, key: &str| sweep[key].as_f64().unwrap();
+            sweeps.iter().map(|sweep| number(sweep, "per_iteration") * number(sweep, "model_passes")).sum()
+        };
+        assert!((sum(&sweeps[0]) - 10.71).abs() < 0.01, "{:#}", sweeps[0]);
+        assert!((sum(&sweeps[1]) - 9.36).abs() < 0.01, "{:#}", sweeps[1]);
     }
 
     #[test]

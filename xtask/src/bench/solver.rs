@@ -1,11 +1,11 @@
 //! Our solver on one problem.
 
-use super::problem::{Numbers, Problem, Strength, noise};
+use super::problem::{Numbers, Problem, Strength, noise, noise_around};
 use super::{numerical, timing};
 use crate::failure::Failure;
 use crate::pool;
 use cf_grid::{Layout, Real};
-use cf_linear::{Helmholtz, Options, Plan, Precision, SolveError, Solver, Stop};
+use cf_linear::{Helmholtz, Kernel, Options, Plan, Precision, SolveError, Solver, Stop};
 use std::fmt;
 
 /// From this kappa on the plan is multigrid, whatever [`Plan::choose`] says; a Poisson problem counts as larger.
@@ -117,9 +117,39 @@ pub fn method(turns: &[Turn]) -> String {
 
 /// Builds a solver, touches its memory, solves once, and looks at the solution.
 pub fn turn(problem: &Problem) -> Result<Turn, Failure> {
+    with_system(problem, Solving)
+}
+
+/// The sweeps of a solve, each alone, the best of `runs`; none where the plan has no preconditioner.
+pub fn kernels(problem: &Problem, runs: usize) -> Result<Vec<Kernel>, Failure> {
+    with_system(problem, Timing(runs))
+}
+
+/// What is done with a system, whatever its numbers and axes.
+trait Work: Send {
+    type Found: Send;
+    fn run<T: Real, const D: usize>(
+        self,
+        problem: &Problem,
+        system: &System<'_, T, D>,
+    ) -> Result<Self::Found, SolveError>;
+}
+
+/// An operator that is not built yet, and a right-hand side.
+struct System<'a, T, const D: usize> {
+    layout: &'a Layout<D>,
+    operator: &'a Helmholtz<'a, D>,
+    options: Options,
+    b: Vec<T>,
+}
+
+struct Solving;
+struct Timing(usize);
+
+fn with_system<W: Work>(problem: &Problem, work: W) -> Result<W::Found, Failure> {
     let done = pool::within(problem.threads, || match problem.cells.0[..] {
-        [x, y] => by_numbers(problem, [x, y]),
-        [x, y, z] => by_numbers(problem, [x, y, z]),
+        [x, y] => by_numbers(problem, [x, y], work),
+        [x, y, z] => by_numbers(problem, [x, y, z], work),
         _ => Err(numerical("a box has two or three axes")),
     })?;
     done.map_err(|error| match error {
@@ -128,45 +158,74 @@ pub fn turn(problem: &Problem) -> Result<Turn, Failure> {
     })
 }
 
-fn by_numbers<const D: usize>(problem: &Problem, cells: [usize; D]) -> Result<Turn, Failure> {
+fn by_numbers<const D: usize, W: Work>(problem: &Problem, cells: [usize; D], work: W) -> Result<W::Found, Failure> {
     let layout = Layout::new(cells).map_err(numerical)?;
     match problem.numbers {
-        Numbers::F64 => solve::<f64, D>(problem, &layout, Precision::Full),
-        Numbers::Mixed => solve::<f64, D>(problem, &layout, Precision::Single),
-        Numbers::F32 => solve::<f32, D>(problem, &layout, Precision::Full),
+        Numbers::F64 => system::<f64, D, W>(problem, &layout, Precision::Full, work),
+        Numbers::Mixed => system::<f64, D, W>(problem, &layout, Precision::Single, work),
+        Numbers::F32 => system::<f32, D, W>(problem, &layout, Precision::Full, work),
     }
     .map_err(numerical)
 }
 
-fn solve<T: Real, const D: usize>(
+fn system<T: Real, const D: usize, W: Work>(
     problem: &Problem,
     layout: &Layout<D>,
     precision: Precision,
-) -> Result<Turn, SolveError> {
+    work: W,
+) -> Result<W::Found, SolveError> {
     let (alpha, kappa) = problem.coefficients();
-    let tolerance = problem.tolerance.0;
     let large = problem.strength == Strength::Poisson || kappa >= MULTIGRID_FROM;
-    let options =
-        Options { plan: large.then_some(Plan::Multigrid), precision, reduction: tolerance, ..Options::default() };
-    let b = noise::<T, D>(layout);
+    let plan = large.then_some(Plan::Multigrid);
+    let options = Options { plan, precision, reduction: problem.tolerance.0, ..Options::default() };
+    let (mask, operator) = (problem.mask(layout), Helmholtz::new(layout, alpha, kappa, problem.sides()));
+    let (operator, b) = match &mask {
+        None => (operator, noise::<T, D>(layout)),
+        Some(mask) => (operator.with_mask(mask), noise_around(mask, &problem.sides())),
+    };
+    work.run(problem, &System { layout, operator: &operator, options, b })
+}
+
+impl Work for Timing {
+    type Found = Vec<Kernel>;
+
+    fn run<T: Real, const D: usize>(
+        self,
+        problem: &Problem,
+        system: &System<'_, T, D>,
+    ) -> Result<Vec<Kernel>, SolveError> {
+        let mut solver = Solver::<T, D>::new(system.operator, system.options)?;
+        let mut x = vec![T::ZERO; system.layout.slots()];
+        solver.kernels(&system.b, &mut x, Stop::Relative(problem.tolerance.0), self.0)
+    }
+}
+
+impl Work for Solving {
+    type Found = Turn;
+
+    fn run<T: Real, const D: usize>(self, problem: &Problem, system: &System<'_, T, D>) -> Result<Turn, SolveError> {
+        solve(problem, system)
+    }
+}
+
+fn solve<T: Real, const D: usize>(problem: &Problem, system: &System<'_, T, D>) -> Result<Turn, SolveError> {
+    let System { layout, b, .. } = system;
+    let ((alpha, kappa), tolerance) = (problem.coefficients(), problem.tolerance.0);
     let mut x = vec![T::ZERO; layout.slots()];
-    let (solver, setup_seconds) = timing::timed(|| {
-        let operator = Helmholtz::new(layout, alpha, kappa, problem.sides());
-        Solver::<T, D>::new(&operator, options)
-    });
+    let (solver, setup_seconds) = timing::timed(|| Solver::<T, D>::new(system.operator, system.options));
     let mut solver = solver?;
-    let (first, first_seconds) = timing::timed(|| solver.solve(&b, &mut x, Stop::Relative(0.5)));
-    let (done, seconds) = timing::timed(|| solver.solve(&b, &mut x, Stop::Relative(tolerance)));
+    let (first, first_seconds) = timing::timed(|| solver.solve(b, &mut x, Stop::Relative(0.5)));
+    let (done, seconds) = timing::timed(|| solver.solve(b, &mut x, Stop::Relative(tolerance)));
     let (first, iterations) = (first?.iterations, done?.iterations);
     let new_seconds = newness([first, iterations], [first_seconds, seconds]);
     let bytes = (solver.bytes() + (b.len() + x.len()) * size_of::<T>()) as f64;
     let (sum, square) = (layout.sum(&x), layout.dot(&x, &x));
     let norm = (square - sum * sum / layout.count() as f64).max(0.0).sqrt();
-    let size = layout.dot(&b, &b).sqrt();
+    let size = layout.dot(b, b).sqrt();
     let relative = |value: f64| if size > 0.0 { value / size } else { value };
     let diagonal = alpha + 2.0 * D as f64 * kappa;
     let rounding = relative(4.0 * T::EPSILON * diagonal * square.sqrt());
-    let residual = relative(residual(&solver, layout, &b, &mut x));
+    let residual = relative(residual(&solver, layout, b, &mut x));
     let plan = Some(solver.choice().to_string());
     Ok(Turn { iterations, seconds, setup_seconds, new_seconds, bytes, residual, rounding, norm, plan })
 }

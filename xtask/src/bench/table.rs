@@ -5,6 +5,7 @@ use super::problem::{Problem, Strength};
 use super::solver::Measured;
 use super::stream::Bandwidth;
 use crate::show;
+use cf_linear::Kernel;
 use serde_json::{Value, json};
 
 /// What a method cost, from the medians of its turns.
@@ -35,11 +36,13 @@ impl Cost {
 }
 
 /// The columns that say what was solved.
-const PROBLEM: [&str; 6] = ["cells", "walls", "kappa", "to", "numbers", "threads"];
+const PROBLEM: [&str; 7] = ["cells", "walls", "solids", "kappa", "to", "numbers", "threads"];
 
 fn problem(problem: &Problem) -> Vec<String> {
-    let Problem { cells, walls, strength, tolerance, numbers, threads } = problem;
-    [cells as &dyn ToString, walls, strength, tolerance, numbers, threads].map(|entry| entry.to_string()).to_vec()
+    let Problem { cells, walls, solids, strength, tolerance, numbers, threads } = problem;
+    [cells as &dyn ToString, walls, solids, strength, tolerance, numbers, threads]
+        .map(|entry| entry.to_string())
+        .to_vec()
 }
 
 /// A line for each method and problem, and why the plan where it was not given.
@@ -113,11 +116,12 @@ pub fn print_comparisons(comparisons: &[Comparison]) {
 /// A solve for `--json`.
 pub fn row(measured: &Measured, bandwidth: &Bandwidth) -> Value {
     let cost = Cost::of(measured, bandwidth);
-    let Problem { cells, walls, strength, tolerance, numbers, threads } = &measured.problem;
+    let Problem { cells, walls, solids, strength, tolerance, numbers, threads } = &measured.problem;
     json!({
         "dimension": cells.0.len(),
         "cells": cells.0,
         "walls": walls.to_string(),
+        "solids": solids.to_string(),
         "kappa": match strength {
             Strength::Kappa(kappa) => json!(kappa),
             Strength::Poisson => json!("poisson"),
@@ -141,6 +145,43 @@ pub fn row(measured: &Measured, bandwidth: &Bandwidth) -> Value {
         "status": measured.status().to_string(),
         "norm": measured.median(|turn| turn.norm),
     })
+}
+
+/// The sweeps of a solve beside the model, and what an iteration of them comes to.
+pub fn print_kernels(problem: &Problem, kernels: &[Kernel], bandwidth: &Bandwidth) {
+    let array = (problem.cells.count() * problem.bytes()) as f64;
+    let passes = |seconds: f64| seconds * bandwidth.with(problem.threads) / array;
+    let line = |name: &str, times: String, model: f64, seconds: f64| {
+        let model = if model.is_nan() { "-".to_owned() } else { format!("{model:.2}") };
+        vec![name.to_owned(), times, model, format!("{:.2}", passes(seconds)), format!("{:.2}", 1e3 * seconds)]
+    };
+    let mut lines: Vec<_> = kernels
+        .iter()
+        .map(|kernel| {
+            let times = if kernel.per_iteration > 0.0 { kernel.per_iteration.to_string() } else { "once".to_owned() };
+            line(kernel.name, times, kernel.passes, kernel.seconds)
+        })
+        .collect();
+    let sum = |of: fn(&Kernel) -> f64| kernels.iter().map(|kernel| kernel.per_iteration * of(kernel)).sum();
+    let model = kernels.iter().filter(|kernel| kernel.per_iteration > 0.0).map(|k| k.per_iteration * k.passes).sum();
+    lines.push(line("an iteration", "1".into(), model, sum(|kernel| kernel.seconds)));
+    say!("\nSweeps of {problem}, each alone, the best of its runs");
+    say_part!("{}", show::table(&["sweep", "per iteration", "passes, model", "measured", "ms"], &lines));
+}
+
+/// The same for `--json`.
+pub fn kernels(problem: &Problem, kernels: &[Kernel], bandwidth: &Bandwidth) -> Value {
+    let array = (problem.cells.count() * problem.bytes()) as f64;
+    let sweep = |kernel: &Kernel| {
+        json!({
+            "sweep": kernel.name,
+            "per_iteration": kernel.per_iteration,
+            "model_passes": kernel.passes.is_finite().then_some(kernel.passes),
+            "passes": kernel.seconds * bandwidth.with(problem.threads) / array,
+            "seconds": kernel.seconds,
+        })
+    };
+    json!({ "problem": problem.to_string(), "sweeps": kernels.iter().map(sweep).collect::<Vec<_>>() })
 }
 
 /// A comparison for `--json`; its two rows are among the others.

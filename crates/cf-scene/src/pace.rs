@@ -3,20 +3,25 @@
 //! Transport along one axis of a uniform medium is exact where it moves everything by whole cells. Explicit diffusion
 //! carries once per step, `D(dt/2) A(dt) D(dt/2)`, so the step is h/|u|; implicit diffusion carries half a step twice,
 //! `A(dt/2) D(dt) A(dt/2)`, so it is 2h/|u|. Both are taken as long as the waves move at most one cell, c dt <= h.
-//! Otherwise dt = cfl·h/(|u| + c). What the scene leaves open goes no further than 1/64 of the run, which is what bounds a
-//! still medium without waves; a step or a cfl that the scene gives is taken as it is.
+//! Otherwise dt = cfl·h/(|u| + c). What the scene leaves open goes no further than 1/64 of the run (a draft in a still medium:
+//! 1/16), which is what bounds a still medium without waves; a step or a cfl that the scene gives is taken as it is. Explicit waves in a still
+//! medium are most accurate just below their stability limit, where errors in time and space cancel, so that is the step.
 //!
 //! A solved fluid finds its step as it goes: dt = min(cfl·h/max|u|, 1/√(g beta max|grad phi|)), where u counts jets and
 //! inflows that act. While it is at rest, the time in which a force moves it bounds the step, and 1/64 of the run.
 
 use crate::scene::{Diffusion, Fluid, Model, Scene, Schedule, TimeStep};
-use crate::spec::{Integrator, Medium, Splitting};
+use crate::spec::{Integrator, Level, Medium, Splitting};
 use cf_diffusion::kdk_limit;
 
 /// Explicit sub-steps in one step up to which they beat two implicit solves.
 const MOST_EXPLICIT: f64 = 20.0;
 /// The fewest steps of a run whose step is chosen for it.
 const FEWEST_STEPS: f64 = 64.0;
+/// The same for a draft whose steps are of second order.
+const FEWEST_OF_A_DRAFT: f64 = 16.0;
+/// Explicit steps in a still medium, where splitting is no concern.
+const BELOW_THE_LIMIT: f64 = 0.98;
 /// The most steps of a run.
 pub(crate) const MOST_STEPS: f64 = 1e10;
 
@@ -52,11 +57,8 @@ impl Pace {
         }
         if let Some(integrator) = scene.numerics.integrator {
             let (dt, likely, dt_reason) = step(scene, model, integrator);
-            let given = match scene.numerics.level {
-                crate::spec::Level::Draft if integrator == Integrator::PaperBe => "the draft level's choice",
-                _ => "the scene's choice",
-            };
-            return Pace { dt, likely, dt_reason, integrator: Some(integrator), integrator_reason: given.into() };
+            let given = "the scene's choice".into();
+            return Pace { dt, likely, dt_reason, integrator: Some(integrator), integrator_reason: given };
         }
         let waves = model.law.tau > 0.0 && model.law.fourier == 0.0;
         let (dt, likely, dt_reason) = step(scene, model, Integrator::Kdk);
@@ -73,8 +75,12 @@ impl Pace {
             "a part of the flux has no memory (F_T > 0 or tau = 0), which only implicit steps take at this length"
                 .into()
         };
-        let (dt, likely, dt_reason) = step(scene, model, Integrator::Sdirk2);
-        Pace { dt, likely, dt_reason, integrator: Some(Integrator::Sdirk2), integrator_reason: why }
+        // Backward Euler is dearer at equal error, but keeps the long steps of a draft from falling below zero where the medium
+        // carries what its sources put in.
+        let blunt = scene.numerics.level == Level::Draft && !matches!(model.medium, Medium::Still);
+        let integrator = if blunt { Integrator::PaperBe } else { Integrator::Sdirk2 };
+        let (dt, likely, dt_reason) = step(scene, model, integrator);
+        Pace { dt, likely, dt_reason, integrator: Some(integrator), integrator_reason: why }
     }
 
     /// The steps to the end of a scene, infinite where they would never get there; of adaptive steps the least number.
@@ -145,6 +151,14 @@ fn given(scene: &Scene, model: &Diffusion, integrator: Integrator) -> (f64, Stri
         TimeStep::Shift(cfl) => (cfl, integrator != Integrator::Characteristic),
     };
     let (h, until) = (scene.grid.spacing, scene.schedule.until);
+    if integrator == Integrator::Kdk
+        && matches!(model.medium, Medium::Still)
+        && !matches!(scene.numerics.step, TimeStep::Cfl(_))
+    {
+        let reason =
+            format!("{BELOW_THE_LIMIT} of the stability limit: explicit waves in a still medium err least there");
+        return (BELOW_THE_LIMIT * explicit_limit(scene, model), reason);
+    }
     let (u, c) = (scene.medium_speed(), model.law.speed().unwrap_or(0.0));
     let halves = scene.numerics.splitting == Splitting::Strang && integrator != Integrator::Kdk;
     let cells = if halves { 2.0 } else { 1.0 };
@@ -155,11 +169,13 @@ fn given(scene: &Scene, model: &Diffusion, integrator: Integrator) -> (f64, Stri
     } else {
         (cfl * h / (u + c), format!("{cfl} h/(|u| + c) with |u| = {u} m/s and c = {c:.6} m/s"))
     };
-    let bound = until / FEWEST_STEPS;
+    let long = scene.numerics.level == Level::Draft && integrator == Integrator::Sdirk2;
+    let fewest = if long { FEWEST_OF_A_DRAFT } else { FEWEST_STEPS };
+    let bound = until / fewest;
     if dt <= bound || bound == 0.0 || matches!(scene.numerics.step, TimeStep::Cfl(_)) {
         (dt, reason)
     } else {
-        (bound, format!("1/{FEWEST_STEPS} of the run; less than the {dt:.3e} s that waves and transport allow"))
+        (bound, format!("1/{fewest} of the run; less than the {dt:.3e} s that waves and transport allow"))
     }
 }
 
@@ -277,7 +293,13 @@ mod tests {
 
     #[test]
     fn levels_and_laws_choose_the_integrator() {
-        assert_eq!(pace("draft", &[]).integrator, Some(Integrator::PaperBe));
+        assert_eq!(pace("draft", &[]).integrator, Some(Integrator::Kdk));
+        assert_eq!(pace("draft", &["model.law.fourier=0.5"]).integrator, Some(Integrator::PaperBe));
+        let still = pace("draft", &["model.law.fourier=0.5", "model.medium=Still"]);
+        assert_eq!(still.integrator, Some(Integrator::Sdirk2));
+        assert!((still.dt - 0.0625 / (0.5f64 * 0.25 / 4.0).sqrt()).abs() < 1e-9, "{still:?}");
+        let still = pace("draft", &["model.law.tau=0.0", "model.medium=Still"]);
+        assert_eq!((still.integrator, still.dt), (Some(Integrator::Sdirk2), 12.5 / 16.0));
         assert_eq!(pace("standard", &["model.law.tau=0.0"]).integrator, Some(Integrator::Sdirk2));
         let stiff = pace("standard", &["model.law.tau=1e-6", "model.law.k=10.0", "accuracy.dt=0.1"]);
         assert_eq!(stiff.integrator, Some(Integrator::Sdirk2));
@@ -304,6 +326,21 @@ mod tests {
         let scene = of(&["run.steps=7"]);
         assert_eq!(Pace::of(&scene).steps(&scene), 7.0);
         assert_eq!(Pace { dt: 0.0, likely: 0.0, ..Pace::of(&scene) }.steps(&scene), f64::INFINITY);
+    }
+
+    #[test]
+    fn explicit_waves_in_a_still_medium_go_to_their_limit() {
+        let still = ["model.medium=Still", "model.law.tau=1e3"];
+        // c dt/h = 1/√2 in the plane.
+        let c = (0.25f64 / 1e3).sqrt();
+        for level in ["draft", "standard"] {
+            let pace = pace(level, &still);
+            assert!((pace.dt * c / 0.0625 - 0.98 * 0.5f64.sqrt()).abs() < 1e-3, "{pace:?}");
+            assert_eq!(pace.integrator, Some(Integrator::Kdk));
+        }
+        assert_eq!(pace("standard", &[&still[..], &["accuracy.dt=0.01"]].concat()).dt, 0.01);
+        let given = pace("standard", &[&still[..], &["accuracy.cfl=0.1"]].concat());
+        assert!((given.dt * c / 0.0625 - 0.1).abs() < 1e-9, "{given:?}");
     }
 
     #[test]

@@ -8,12 +8,16 @@
 //! p = log2(d_before/d) in [0.5, 2], 1 while there are only two grids        error of the finer = d/(2^p - 1)
 //! ```
 //!
+//! A grid that was run is never thought better than its difference from the finest that was. A grid that does not show what
+//! the scene's own does ([`Shown`]) is no answer: obstacles close or vanish on it, or the initial state aliases.
+//!
 //! The first grid that is going to be good enough is run in earnest, and judged again by its own difference; a finer one
 //! follows where it was not. Whatever comes out, the summary says the error reached. For waves in a medium that is still or
-//! uniform, the two coarsest grids also decide between centred steps and those along the characteristics.
+//! uniform, the coarsest grids also decide between centred steps and those along the characteristics.
 //!
 //! All of it is counted and compared, nothing is timed: the same scene takes the same way on every machine.
 
+use crate::build::Shown;
 use crate::pace::Pace;
 use crate::perform::Options;
 use crate::progress::{Progress, Watch, Wish};
@@ -28,6 +32,8 @@ use cf_diffusion::Front;
 pub(crate) const FEWEST_CELLS: usize = 8;
 /// Grids below that of the scene, at most.
 const MOST_HALVINGS: usize = 5;
+/// Runs that decide between schemes: three tell an order.
+const PILOTS: usize = 3;
 /// What a sub-step along the characteristics costs in explicit steps.
 const FRONT_COST: f64 = 2.5;
 
@@ -57,8 +63,18 @@ struct Rung {
 impl Rung {
     fn of(scene: &Scene, outcome: &Outcome, before: Option<&Rung>) -> Rung {
         let phi = outcome.evidence.phi.clone().unwrap_or_default();
-        let difference = before.map(|coarse| difference(&coarse.phi, &halved(&phi, &scene.grid.cells)));
+        let difference = before.map(|coarse| coarse.off_from(&phi, &scene.grid.cells));
         Rung { cells: scene.grid.cells.clone(), steps: outcome.summary.steps, phi, difference }
+    }
+
+    /// The difference from phi on a finer grid.
+    fn off_from(&self, phi: &[f64], cells: &[usize]) -> f64 {
+        let (mut means, mut cells) = (phi.to_vec(), cells.to_vec());
+        while means.len() > self.phi.len() {
+            means = halved(&means, &cells);
+            cells.iter_mut().for_each(|n| *n /= 2);
+        }
+        difference(&self.phi, &means)
     }
 }
 
@@ -81,27 +97,35 @@ impl Judgement {
         Judgement { order, error: last / (order.exp2() - 1.0) }
     }
 
-    /// The error on the grid `level` of a ladder, where this is that on the grid `newest`.
-    fn on(&self, level: usize, newest: usize) -> f64 {
-        self.error * (self.order * (newest as f64 - level as f64)).exp2()
+    /// The error on the grid `level` of a ladder, where this is that on the last of its `rungs`. Infinite where differences
+    /// are no numbers.
+    fn on(&self, level: usize, rungs: &[Rung]) -> f64 {
+        let extrapolated = self.error * (self.order * (rungs.len() as f64 - 1.0 - level as f64)).exp2();
+        let seen = match (rungs.get(level), rungs.last()) {
+            (Some(rung), Some(finest)) if level + 1 < rungs.len() => rung.off_from(&finest.phi, &finest.cells),
+            _ => 0.0,
+        };
+        let error = extrapolated.max(seen);
+        if extrapolated.is_finite() && seen.is_finite() { error } else { f64::INFINITY }
     }
 }
 
 /// Runs a scene to a relative error of `wanted`; also gives the scene as it was run.
 pub(crate) fn run(runner: &Runner<'_>, wanted: f64, watch: &mut dyn Watch) -> Result<(Scene, Outcome), RunError> {
-    let grids = ladder(&runner.scene.grid);
+    let (grids, valid) = shown(runner.scene, ladder(&runner.scene.grid))?;
     let last = grids.len() - 1;
-    let Path { schedule_dt, integrator, mut rungs } = Path::choose(runner, &grids, watch)?;
+    let Path { schedule_dt, integrator, mut rungs } = Path::choose(runner, &grids, wanted, watch)?;
     let on = |level: usize| rung(runner.scene, &grids[level], integrator, schedule_dt, level);
-    // Two coarse runs are there. The next one is a further pilot unless it is going to be the last.
+    // The first coarse runs are there. The next one is a further pilot unless it is going to be the last.
     let (mut level, pilots) = loop {
         let found = judge(&rungs);
         let newest = rungs.len() - 1;
-        if let Some(enough) = (0..=newest).find(|level| found.on(*level, newest) <= wanted) {
+        if let Some(enough) = (valid..=newest).find(|level| found.on(*level, &rungs) <= wanted) {
             break (enough, newest);
         }
-        if newest + 1 >= last || found.on(newest + 1, newest) <= wanted {
-            break ((newest + 1).min(last), newest);
+        let next = newest + 1;
+        if next >= last || next >= valid && found.on(next, &rungs) <= wanted {
+            break (next.min(last), newest);
         }
         let scene = on(newest + 1);
         let outcome = pilot(runner, &scene, watch)?;
@@ -111,15 +135,18 @@ pub(crate) fn run(runner: &Runner<'_>, wanted: f64, watch: &mut dyn Watch) -> Re
         let scene = on(level);
         let needs = Needs { phi: true, ..runner.needs };
         let mut outcome = Runner { scene: &scene, needs, ..*runner }.run(watch)?;
+        let verdict = |rungs: &[Rung]| {
+            let judged = judge(rungs);
+            (judged.order, judged.on(level, rungs))
+        };
         // Where a pilot was good enough, what all pilots say stands.
-        let known = (level <= pilots).then(|| judge(&rungs));
+        let known = (level <= pilots).then(|| verdict(&rungs));
         let before = level.checked_sub(1).and_then(|coarser| rungs.get(coarser));
         let rung = Rung::of(&scene, &outcome, before);
         rungs.push(rung);
-        let judged = known.unwrap_or_else(|| judge(&rungs));
-        let achieved = if level <= pilots { judged.on(level, pilots) } else { judged.error };
+        let (order, achieved) = known.unwrap_or_else(|| verdict(&rungs));
         if achieved <= wanted || level == last {
-            let summary = summary(&rungs, wanted, achieved, judged.order);
+            let summary = summary(&rungs, wanted, achieved, order);
             if !summary.reached {
                 outcome.summary.warnings.push(summary.words.clone());
             }
@@ -134,6 +161,30 @@ pub(crate) fn run(runner: &Runner<'_>, wanted: f64, watch: &mut dyn Watch) -> Re
     }
 }
 
+/// The grids that are worth running, and the first of them that shows what the scene's own, the last, does. Some coarser ones stay for
+/// differences, and judge without being an answer.
+fn shown(scene: &Scene, mut grids: Vec<Grid>) -> Result<(Vec<Grid>, usize), RunError> {
+    let on = |grid: &Grid| {
+        let shown = Shown::of(&Scene { grid: grid.clone(), ..scene.clone() });
+        shown.map_err(|error| RunError::Build { run: scene.run.clone(), source: error })
+    };
+    let last = grids.len() - 1;
+    let mut valid = 0;
+    if let Some(own) = on(&scene.grid)? {
+        for level in (0..last).rev() {
+            if !on(&grids[level])?.is_some_and(|coarse| own.is_shown_by(&coarse)) {
+                valid = level + 1;
+                break;
+            }
+        }
+    }
+    // Both schemes are judged on the same grids, so those on which one of them is not valid are left out.
+    let both = grids.iter().position(|grid| follows_fronts(scene, grid)).unwrap_or(0);
+    let start = valid.max(both).min(last.saturating_sub(PILOTS));
+    grids.drain(..start);
+    Ok((grids, valid.saturating_sub(start)))
+}
+
 fn judge(rungs: &[Rung]) -> Judgement {
     Judgement::of(&rungs.iter().filter_map(|rung| rung.difference).collect::<Vec<_>>())
 }
@@ -141,19 +192,22 @@ fn judge(rungs: &[Rung]) -> Judgement {
 fn summary(rungs: &[Rung], wanted: f64, achieved: f64, order: f64) -> TargetSummary {
     let reached = achieved <= wanted;
     let words = if reached {
-        format!("the target {wanted:e} is reached: the error is about {achieved:.1e}, at order {order:.1}")
+        format!(
+            "the target {wanted:e} is reached: the error of cell means is about {achieved:.1e}, at order {order:.1}"
+        )
     } else {
         let more = (achieved / wanted).powf(1.0 / order);
+        let more = if more < 1e3 { format!("{more:.1}") } else { format!("{more:.0e}") };
         format!(
-            "the target {wanted:e} is not reached: with the cells of the scene the error is about {achieved:.1e}, at order {order:.1}; \
-             about {more:.1} times as many cells along each axis would do"
+            "the target {wanted:e} is not reached: with the cells of the scene the error of cell means is about {achieved:.1e}, at order \
+             {order:.1}; about {more} times as many cells along each axis would do"
         )
     };
     let one = |rung: &Rung| RungSummary { cells: rung.cells.to_vec(), steps: rung.steps, difference: rung.difference };
     TargetSummary { wanted, achieved, reached, order, rungs: rungs.iter().map(one).collect(), words }
 }
 
-/// The scheme and the step on the coarsest grid, with the first runs.
+/// The scheme, the step on the coarsest grid, and the first runs.
 struct Path {
     schedule_dt: f64,
     integrator: Option<Integrator>,
@@ -161,26 +215,29 @@ struct Path {
 }
 
 impl Path {
-    fn choose(runner: &Runner<'_>, grids: &[Grid], watch: &mut dyn Watch) -> Result<Path, RunError> {
+    fn choose(runner: &Runner<'_>, grids: &[Grid], wanted: f64, watch: &mut dyn Watch) -> Result<Path, RunError> {
         let mut best: Option<(f64, Path)> = None;
-        for integrator in schemes(runner.scene, &grids[0]) {
-            let mut coarse = Scene { grid: grids[0].clone(), ..runner.scene.clone() };
-            coarse.numerics.integrator = integrator;
-            let pace = Pace::of(&coarse);
-            // An equal part of the time between frames, so that every halving of the step is one.
-            let interval = runner.scene.schedule.interval;
-            let schedule_dt = if pace.dt < interval { interval / (interval / pace.dt).ceil() } else { interval };
+        let schemes = schemes(runner.scene, &grids[0]);
+        let pilots = if schemes.len() > 1 { PILOTS } else { PILOTS - 1 };
+        let halvings = grids.len() - 1;
+        for integrator in schemes {
+            let mut own = runner.scene.clone();
+            own.numerics.integrator = integrator;
+            let pace = Pace::of(&own);
+            // On the coarsest grid as often the scene's own step as its cells are larger, and an equal part of the time between
+            // frames, so that every halving of the step is one.
+            let (interval, longest) = (runner.scene.schedule.interval, pace.dt * (halvings as f64).exp2());
+            let schedule_dt = if longest < interval { interval / (interval / longest).ceil() } else { interval };
             let mut path = Path { schedule_dt, integrator: pace.integrator, rungs: Vec::new() };
-            for level in 0..2 {
+            for level in 0..pilots.min(halvings) {
                 let scene = rung(runner.scene, &grids[level], path.integrator, schedule_dt, level);
                 let outcome = pilot(runner, &scene, watch)?;
                 path.rungs.push(Rung::of(&scene, &outcome, path.rungs.last()));
             }
-            // Cost grows with the power d + 1 of the cells along an axis, and they with the root of the error.
+            // Cost grows with the power d + 1 of the cells along an axis, and they with the root of the error of the order seen.
             let weight = if integrator == Some(Integrator::Characteristic) { FRONT_COST } else { 1.0 };
-            let power = 0.5 * (grids[0].dimension() + 1) as f64;
-            let error = path.rungs.last().and_then(|rung| rung.difference).unwrap_or(f64::INFINITY);
-            let cost = weight * error.powf(power);
+            let Judgement { order, error } = judge(&path.rungs);
+            let cost = weight * (error / wanted).powf((grids[0].dimension() + 1) as f64 / order);
             if best.as_ref().is_none_or(|(least, _)| cost < *least) {
                 best = Some((cost, path));
             }
@@ -190,15 +247,20 @@ impl Path {
     }
 }
 
+/// Whether a grid may be stepped along the characteristics.
+fn follows_fronts(scene: &Scene, grid: &Grid) -> bool {
+    let Model::Diffusion(model) = &scene.model else { return false };
+    let plain = matches!(model.medium, Medium::Still | Medium::Uniform(_)) && model.obstacles.is_empty();
+    let resolved = model.law.speed().is_some_and(|c| {
+        c > 0.0 && model.law.fourier == 0.0 && grid.spacing <= Front::<f64, 2>::CELL_RATIO * c * model.law.tau
+    });
+    scene.numerics.integrator.is_none() && plain && resolved
+}
+
 /// The schemes to try: the scene's choice, or what the plan takes, and the characteristics where they are valid.
 fn schemes(scene: &Scene, coarsest: &Grid) -> Vec<Option<Integrator>> {
     let mut schemes = vec![scene.numerics.integrator];
-    let Model::Diffusion(model) = &scene.model else { return schemes };
-    let plain = matches!(model.medium, Medium::Still | Medium::Uniform(_)) && model.obstacles.is_empty();
-    let resolved = model.law.speed().is_some_and(|c| {
-        c > 0.0 && model.law.fourier == 0.0 && coarsest.spacing <= Front::<f64, 2>::CELL_RATIO * c * model.law.tau
-    });
-    if scene.numerics.integrator.is_none() && plain && resolved {
+    if follows_fronts(scene, coarsest) {
         schemes.push(Some(Integrator::Characteristic));
     }
     schemes
@@ -284,7 +346,19 @@ mod tests {
         assert_eq!(Judgement::of(&[0.1]), Judgement { order: 1.0, error: 0.1 });
         let second = Judgement::of(&[0.4, 0.1]);
         assert!((second.order - 2.0).abs() < 1e-12 && (second.error - 0.1 / 3.0).abs() < 1e-12);
-        assert!((second.on(3, 2) - 0.1 / 12.0).abs() < 1e-12 && (second.on(1, 2) - 0.4 / 3.0).abs() < 1e-12);
+        let rung = |n: usize, phi: f64| Rung {
+            cells: [n, n].into_iter().collect(),
+            steps: 1,
+            phi: vec![phi; n * n],
+            difference: None,
+        };
+        let rungs = |first: f64| vec![rung(2, first), rung(4, 1.0), rung(8, 1.0)];
+        assert!((second.on(3, &rungs(1.0)) - 0.1 / 12.0).abs() < 1e-12);
+        assert!((second.on(1, &rungs(1.0)) - 0.4 / 3.0).abs() < 1e-12);
+        // Whatever is extrapolated, what was seen counts.
+        assert!((second.on(0, &rungs(3.0)) - 2.0).abs() < 1e-12);
+        assert_eq!(second.on(0, &rungs(f64::NAN)), f64::INFINITY);
+        assert_eq!(Judgement::of(&[f64::INFINITY, 0.1]).order, 1.0);
         assert_eq!(Judgement::of(&[0.1, 0.2]).order, 0.5);
     }
 

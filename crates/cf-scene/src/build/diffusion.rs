@@ -28,10 +28,7 @@ pub(super) struct DiffusionModel<T, const D: usize> {
 
 impl<T: Number, const D: usize> DiffusionModel<T, D> {
     pub fn new(scene: &Scene, model: &scene::Diffusion, pace: &Pace, make: MakeFlow<T, D>) -> Result<Self, BuildError> {
-        let wrong = |what| BuildError::Dimension { axes: scene.grid.dimension(), what };
-        let cells = scene.grid.cells.to_array().ok_or(wrong("such grid"))?;
-        let origin = scene.grid.origin.to_array().ok_or(wrong("such origin"))?;
-        let grid = Grid::new(cells, scene.grid.spacing)?.with_origin(origin)?;
+        let grid = grid(&scene.grid)?;
         let law = Law::new(model.law.k, model.law.tau, model.law.fourier)?;
         let obstacles = Solid::of(scene);
         let mask = (!obstacles.is_empty()).then(|| mask(&grid, &obstacles));
@@ -125,7 +122,16 @@ fn share(source: &SourceSpec, from: f64, dt: f64) -> f64 {
     }
 }
 
-fn sides<const D: usize>(scene: &Scene, law: &Law) -> Sides<Wall, D> {
+/// The grid of a scene with as many axes.
+pub(super) fn grid<const D: usize>(grid: &scene::Grid) -> Result<Grid<D>, BuildError> {
+    let wrong = |what| BuildError::Dimension { axes: grid.dimension(), what };
+    let cells = grid.cells.to_array().ok_or(wrong("such grid"))?;
+    let origin = grid.origin.to_array().ok_or(wrong("such origin"))?;
+    Ok(Grid::new(cells, grid.spacing)?.with_origin(origin)?)
+}
+
+/// The walls of a scene; absorbing ones take the speed of the law's waves unless they have their own.
+pub(super) fn sides<const D: usize>(scene: &Scene, law: &Law) -> Sides<Wall, D> {
     let wall = |wall: &spec::Wall| match *wall {
         spec::Wall::Closed => Wall::CLOSED,
         spec::Wall::Flux(flux) => Wall::Flux(flux),

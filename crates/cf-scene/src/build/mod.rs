@@ -4,6 +4,7 @@ mod coverage;
 mod diffusion;
 mod flow;
 mod fluid;
+mod shown;
 mod single_field;
 mod stepper;
 
@@ -16,6 +17,7 @@ use cf_diffusion::{LawError, MediumError, StepError};
 use cf_fluid::FlowError;
 use cf_grid::GridError;
 use diffusion::DiffusionModel;
+pub(crate) use shown::Shown;
 use single_field::SingleFieldModel;
 
 /// Why a valid scene could not be built.

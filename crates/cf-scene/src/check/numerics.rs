@@ -25,7 +25,6 @@ fn chosen(level: Level) -> Numerics {
     };
     match level {
         Level::Draft => Numerics {
-            integrator: Some(Integrator::PaperBe),
             advection: Advection::Linear,
             splitting: Splitting::Lie,
             step: TimeStep::Bounded(1.0),

@@ -36,15 +36,15 @@ pub struct AccuracySpec {
 /// Documented sets of knobs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 pub enum Level {
-    /// Fast and first order.
+    /// Long steps, loose solves; of first order where the medium moves.
     Draft,
     /// Second order.
     #[default]
     Standard,
     /// Small steps and tight solves.
     Accurate,
-    /// Whatever reaches this relative error: the fewest cells, of those of the scene halved again and again, and the longest
-    /// step. The error is that of `phi` at the end, in the mean square, against ever finer runs.
+    /// Whatever reaches this relative error: the fewest cells, of those of the scene halved again and again, with as often the
+    /// step of `Standard`. The error is that of the cell means of `phi` at the end, in the mean square, against ever finer runs.
     Target(f64),
 }
 

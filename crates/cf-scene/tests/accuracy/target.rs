@@ -61,3 +61,40 @@ fn the_way_to_a_target_does_not_depend_on_threads() {
     assert_eq!(on(2), one);
     assert_eq!(on(5), one);
 }
+
+/// The error of cell means of what a target chose, against the scene's own grid.
+fn error_of(text: &str, level: &str) -> (Ran, f64) {
+    let chosen = Ran::of(text, &[&format!("accuracy.level=Target({level})")]);
+    let error = chosen.error(&Ran::of(text, &["accuracy.level=Accurate"]));
+    let words = &chosen.run().target.as_ref().expect("what came of the target").words;
+    println!("{:?}, error {error:.1e}: {words}", chosen.run().cells);
+    (chosen, error)
+}
+
+fn still(law: &str, more: &str) -> String {
+    format!(
+        "(grid: (cells: (128, 128), extent: (1.0, 1.0)), model: Diffusion(law: {law}, {more}), \
+         accuracy: (level: Standard, precision: f64), run: (until: 0.5, frames: 1), output: (pictures: Off, table: false))"
+    )
+}
+
+/// On 8 and 16 cells waves of 1/16 become constants, on 8 and 16 cells a wall of a fiftieth is not there.
+#[test]
+fn a_grid_that_does_not_show_the_scene_is_no_answer() {
+    let waves = "initial: [(shape: Everywhere, value: 1.0), (shape: Cosine(modes: (32, 0)), value: 1.0)]";
+    let wall = "initial: [(shape: Gaussian(center: (0.25, 0.5), width: 0.08), value: 1.0)], \
+        obstacles: [Box(low: (0.49, 0.0), high: (0.51, 1.0))]";
+    for (law, more) in [("(k: 1e-4, tau: 1.0, fourier: 1.0)", waves), ("(k: 0.04, tau: 1.0, fourier: 1.0)", wall)] {
+        let (ran, error) = error_of(&still(law, more), "1e-2");
+        let target = ran.run().target.as_ref().expect("what came of the target");
+        assert!(error <= 2.0 * target.achieved.max(1e-3) && (error <= 2e-2 || !target.reached), "{more}: {error:e}");
+    }
+}
+
+/// A disc sends out a jump, which centred steps follow worse than those along the characteristics.
+#[test]
+fn a_front_is_followed_along_its_characteristics() {
+    let disc = "initial: [(shape: Ball(center: (0.5, 0.5), radius: 0.17), value: 1.0)]";
+    let ran = Ran::of(&still("(k: 0.17, tau: 1.0)", disc), &["accuracy.level=Target(5e-2)"]);
+    assert_eq!(ran.run().integrator, "Characteristic", "{:?}", ran.run().target);
+}

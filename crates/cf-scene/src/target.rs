@@ -118,7 +118,7 @@ pub(crate) fn run(runner: &Runner<'_>, wanted: f64, watch: &mut dyn Watch) -> Re
     let on = |level: usize| rung(runner.scene, &grids[level], integrator, schedule_dt, level);
     // The first coarse runs are there. The next one is a further pilot unless it is going to be the last.
     let (mut level, pilots) = loop {
-        let found = judge(&rungs);
+        let found = judge(&rungs, valid);
         let newest = rungs.len() - 1;
         if let Some(enough) = (valid..=newest).find(|level| found.on(*level, &rungs) <= wanted) {
             break (enough, newest);
@@ -136,7 +136,7 @@ pub(crate) fn run(runner: &Runner<'_>, wanted: f64, watch: &mut dyn Watch) -> Re
         let needs = Needs { phi: true, ..runner.needs };
         let mut outcome = Runner { scene: &scene, needs, ..*runner }.run(watch)?;
         let verdict = |rungs: &[Rung]| {
-            let judged = judge(rungs);
+            let judged = judge(rungs, valid);
             (judged.order, judged.on(level, rungs))
         };
         // Where a pilot was good enough, what all pilots say stands.
@@ -185,8 +185,11 @@ fn shown(scene: &Scene, mut grids: Vec<Grid>) -> Result<(Vec<Grid>, usize), RunE
     Ok((grids, valid.saturating_sub(start)))
 }
 
-fn judge(rungs: &[Rung]) -> Judgement {
-    Judgement::of(&rungs.iter().filter_map(|rung| rung.difference).collect::<Vec<_>>())
+/// From the grids that show the scene, the first of which is `valid`; where no two do, from the last difference alone.
+fn judge(rungs: &[Rung], valid: usize) -> Judgement {
+    let differences: Vec<f64> = rungs.iter().filter_map(|rung| rung.difference).collect();
+    let from = valid.min(differences.len().saturating_sub(1));
+    Judgement::of(&differences[from..])
 }
 
 fn summary(rungs: &[Rung], wanted: f64, achieved: f64, order: f64) -> TargetSummary {
@@ -236,7 +239,7 @@ impl Path {
             }
             // Cost grows with the power d + 1 of the cells along an axis, and they with the root of the error of the order seen.
             let weight = if integrator == Some(Integrator::Characteristic) { FRONT_COST } else { 1.0 };
-            let Judgement { order, error } = judge(&path.rungs);
+            let Judgement { order, error } = judge(&path.rungs, 0);
             let cost = weight * (error / wanted).powf((grids[0].dimension() + 1) as f64 / order);
             if best.as_ref().is_none_or(|(least, _)| cost < *least) {
                 best = Some((cost, path));

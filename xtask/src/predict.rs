@@ -2,7 +2,7 @@
 //!
 //! What a step costs depends on the machine, on what else runs on it, and on how many iterations its solves take, so it is
 //! measured when asked for: the run itself is begun, on its own grid or on one halved until it is small enough to be quick
-//! and still larger than the caches, for a few steps and a frame, with files in a folder that goes away. The time of the
+//! and still larger than the caches, for two steps and for more, and a frame, with files in a folder that goes away. The time of the
 //! whole is then
 //!
 //! ```text
@@ -19,9 +19,11 @@ use cf_scene::summary::RunSummary;
 use cf_scene::{Experiment, Options, Pace, Scene, TimeStep, perform};
 
 /// Cells of a measurement, at most: more than the caches of a core hold.
-const MOST_CELLS: usize = 1 << 18;
+const MOST_CELLS: usize = 1 << 19;
 /// What the steps of a measurement take \[s\].
 const ENOUGH: f64 = 0.08;
+/// The first steps, which are measured apart.
+const FIRST: u64 = 2;
 /// Steps of a measurement, at most.
 const MOST_STEPS: u64 = 400;
 /// Halves of steps that a run makes to estimate its error.
@@ -42,19 +44,20 @@ pub struct Rate {
 pub fn rate(scene: &Scene) -> Result<Rate, Failure> {
     let threads = pool::threads(None);
     pool::within(threads, || {
-        let first = begin(scene, 2, threads)?;
+        let first = begin(scene, FIRST, threads)?;
         let per_step = first.seconds.per_step.max(1e-7);
-        let steps = ((ENOUGH / per_step) as u64).clamp(2, MOST_STEPS);
-        let run = if steps > 2 { begin(scene, steps, threads)? } else { first };
+        let steps = FIRST + ((ENOUGH / per_step) as u64).clamp(FIRST, MOST_STEPS);
+        let run = begin(scene, steps, threads)?;
         let count = run.cells.iter().map(|&n| n as f64).product::<f64>();
         let phase = |name: &str| run.seconds.phases.get(name).copied().unwrap_or(0.0);
         // The start and the end are a frame each.
-        let (stepping, output) = (run.seconds.per_step * run.steps as f64, phase("output"));
-        Ok(Rate {
-            step: run.seconds.per_step / count,
-            frame: output / 2.0 / count,
-            begin: (run.seconds.total - stepping - output).max(0.0),
-        })
+        let output = phase("output");
+        // The first steps make solvers, touch new memory, and look for a pressure without a guess: they are no measure of the others.
+        let stepping = |run: &RunSummary| run.seconds.per_step * run.steps as f64;
+        let later = (stepping(&run) - stepping(&first)) / run.steps.saturating_sub(first.steps).max(1) as f64;
+        let step = if later > 0.0 { later } else { run.seconds.per_step };
+        let rest = run.seconds.total - output - step * run.steps as f64;
+        Ok(Rate { step: step / count, frame: output / 2.0 / count, begin: rest.max(0.0) })
     })?
 }
 

@@ -11,7 +11,7 @@ fn arrows() -> BTreeMap<&'static str, &'static [&'static str]> {
         ("cf-diffusion", &["cf-grid", "cf-linear"]),
         ("cf-fluid", &["cf-diffusion", "cf-grid", "cf-linear"]),
         ("cf-spectral", &["cf-diffusion", "cf-grid"]),
-        ("cf-tradeoff", &["cf-diffusion", "cf-grid", "cf-linear", "cf-spectral"]),
+        ("cf-tradeoff", &["cf-diffusion", "cf-fluid", "cf-grid", "cf-linear", "cf-spectral"]),
         ("cf-output", &["cf-grid"]),
         ("cf-scene", &["cf-diffusion", "cf-fluid", "cf-grid", "cf-linear", "cf-output"]),
         ("xtask", &["cf-diffusion", "cf-fluid", "cf-grid", "cf-linear", "cf-output", "cf-scene", "cf-tradeoff"]),

@@ -11,6 +11,7 @@ Exit codes: 0 fine, 1 a claim, check or golden failed, 2 bad command line or sce
 const BENCH_EXAMPLES: &str = "\
 Examples:
   cargo xtask bench solver --json bench.json
+  cargo xtask bench fluid
   cargo xtask bench solver --cells 97x61x45 --walls valued --kappa 10,1e5 --threads 1
   cargo xtask bench solver --cells 128x128x128 --tolerance 1e-6 --peers";
 
@@ -181,6 +182,8 @@ pub enum Bench {
     Solver,
     /// Whole diffusion steps.
     Step,
+    /// Transport, projection and whole steps of a fluid.
+    Fluid,
     /// All of them.
     All,
 }
@@ -267,6 +270,9 @@ pub enum Canonical {
     /// A flow that deforms and returns, with and without diffusion.
     #[value(name = "P4", alias = "p4")]
     P4,
+    /// Vortices in a stream: a fluid alone, by each of its schemes.
+    #[value(name = "P5", alias = "p5")]
+    P5,
     /// All of them.
     #[value(name = "all")]
     All,

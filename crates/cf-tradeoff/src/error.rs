@@ -19,6 +19,9 @@ pub enum TradeoffError {
     /// A step of the front scheme failed.
     #[error(transparent)]
     Front(#[from] cf_diffusion::FrontError),
+    /// A fluid failed.
+    #[error(transparent)]
+    Flow(#[from] cf_fluid::FlowError),
     /// Transport failed.
     #[error(transparent)]
     Advect(#[from] cf_diffusion::AdvectError),

@@ -12,6 +12,7 @@
 //! | [`Problem::disc`] P2: a disc with a sharp edge | its Green's function, integrated ([`disc`]) |
 //! | [`Problem::wake`] P3: a steady Gaussian source in a uniform flow | one quotient per wave ([`cf_spectral::wake`]) |
 //! | [`deformation`] P4: a flow that deforms and comes back | the start; with diffusion, the next finer grids |
+//! | [`vortices`] P5: vortices in a stream, Euler's equations alone | the vortices, moved along |
 //! | [`Problem::telegraph`]: the Gaussian that other programs are timed on | as P1 |
 //!
 //! [`Problem::measure`] runs one [`Setting`] and gives a [`Measured`]: errors relative to the solution in three norms,
@@ -39,6 +40,7 @@ mod measured;
 mod problem;
 mod run;
 mod setting;
+pub mod vortices;
 mod wake;
 
 pub use error::TradeoffError;

@@ -104,6 +104,8 @@ pub struct Setting {
     pub tolerance: f64,
     /// How the medium carries.
     pub advection: Advection,
+    /// How a fluid is stepped, where one is solved for; its eta_div is the tolerance where nothing diffuses.
+    pub flow: Option<cf_fluid::Scheme>,
     /// How transport and diffusion alternate.
     pub splitting: Splitting,
     /// Worker threads.
@@ -121,9 +123,24 @@ impl Setting {
             numbers: Numbers::F64,
             tolerance: 1e-5,
             advection: Advection::Muscl,
+            flow: None,
             splitting: Splitting::Strang,
             threads,
             level: None,
         }
+    }
+
+    /// The integrator and the scheme of the fluid, of those that there are.
+    pub fn method(&self) -> String {
+        match (self.scheme, self.flow) {
+            (Scheme::Transport, Some(flow)) => format!("{flow:?}"),
+            (scheme, Some(flow)) => format!("{scheme}, {flow:?}"),
+            (scheme, None) => scheme.to_string(),
+        }
+    }
+
+    /// Whether it solves linear systems.
+    pub fn solves(&self) -> bool {
+        self.scheme.is_implicit() || self.flow.is_some()
     }
 }

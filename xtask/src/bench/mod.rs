@@ -4,9 +4,10 @@
 //! passes a kernel cost; what it must read and write at least is a fact of the method, so the ratio says how well it runs.
 //!
 //! `problem` says what is solved, `cases` which problems, `solver` solves one, `peers` does so in turn with `hypre`, `step`
-//! makes whole diffusion steps, `stream` measures the memory, `table` prints and writes.
+//! makes whole diffusion steps, `fluid` moves fluid, `stream` measures the memory, `table` prints and writes.
 
 mod cases;
+mod fluid;
 mod hypre;
 mod peers;
 mod problem;
@@ -55,6 +56,10 @@ pub fn bench(asked: &BenchArgs, stop: &AtomicBool) -> Result<(), Failure> {
         true => pool::within(threads, step::steps)??,
         false => Vec::new(),
     };
+    let flows = match wants(Bench::Fluid) {
+        true => fluid::measure(&fluid::SIZES, threads, stop)?,
+        false => Vec::new(),
+    };
     bandwidth.again()?;
     bandwidth.print();
     let rows = solves.rows();
@@ -70,7 +75,11 @@ pub fn bench(asked: &BenchArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if !steps.is_empty() {
         step::print(&steps, threads, &bandwidth);
     }
+    if !flows.is_empty() {
+        fluid::print(&flows, &bandwidth);
+    }
     if let Some(path) = &asked.json {
+        let kernels = [step::document(&steps, threads, &bandwidth), fluid::document(&flows, &bandwidth)].concat();
         let document = json!({
             "version": env!("CARGO_PKG_VERSION"),
             "stream": bandwidth.document(),
@@ -78,7 +87,7 @@ pub fn bench(asked: &BenchArgs, stop: &AtomicBool) -> Result<(), Failure> {
             "comparisons": solves.comparisons.iter().map(table::comparison).collect::<Vec<Value>>(),
             "sweeps": solves.kernels.iter().map(|(problem, of)| table::kernels(problem, of, &bandwidth)).collect::<Vec<Value>>(),
             "skipped": work.skipped,
-            "kernels": step::document(&steps, threads, &bandwidth),
+            "kernels": kernels,
         });
         let text = serde_json::to_string_pretty(&document).map_err(|error| Failure::io(error.to_string()))?;
         cf_output::write_text(path, &(text + "\n"))?;
@@ -327,7 +336,7 @@ mod tests {
 
     #[test]
     fn what_makes_no_sense_is_refused_before_anything_is_measured() {
-        let lines: [&[&str]; 10] = [
+        let lines: [&[&str]; 11] = [
             &["solver", "--cells", "8x0"],
             &["solver", "--cells", "1000000x1000000x1000000"],
             &["solver", "--cells", "9999999999x9999999999x9999999999"],
@@ -338,6 +347,7 @@ mod tests {
             &["solver", "--precision", "f32", "--tolerance", "1e-10"],
             &["solver", "--mpicc", "cc"],
             &["step", "--cells", "8x8"],
+            &["fluid", "--walls", "closed"],
         ];
         for line in lines {
             let file = peers::folder().join("refused.json");
@@ -348,7 +358,9 @@ mod tests {
 
     #[test]
     fn a_stop_leaves_what_was_measured() {
-        let line = ["xtask", "bench", "solver", "--cells", "8x8", "--runs", "1"];
-        assert_eq!(crate::main_with(line, &AtomicBool::new(true)), Exit::Interrupted);
+        for line in [&["solver", "--cells", "8x8", "--runs", "1"][..], &["fluid"]] {
+            let line = ["xtask", "bench"].iter().chain(line);
+            assert_eq!(crate::main_with(line, &AtomicBool::new(true)), Exit::Interrupted);
+        }
     }
 }

@@ -78,7 +78,7 @@ pub fn print(rows: &[Step], threads: usize, bandwidth: &Bandwidth) {
 }
 
 /// For `--json`.
-pub fn document(rows: &[Step], threads: usize, bandwidth: &Bandwidth) -> Value {
+pub fn document(rows: &[Step], threads: usize, bandwidth: &Bandwidth) -> Vec<Value> {
     rows.iter()
         .map(|row| {
             json!({

@@ -2,6 +2,7 @@
 
 use super::tables::{Listed, WITHIN};
 use super::write::words;
+use cf_fluid::Scheme as Flow;
 use cf_tradeoff::{Level, Measured, Scheme, best, cheapest};
 
 /// A statement and what was found.
@@ -137,6 +138,26 @@ pub fn cones(rows: &[Measured], angles: &[(String, usize, f64)]) -> Vec<Claim> {
         });
     }
     claims
+}
+
+/// The problem on which the schemes of the fluid are compared, and how many times cheaper the default must be.
+const VORTICES: &str = "P5 vortices";
+const CHEAPER_FLOW: f64 = 5.0;
+
+/// P5: the default scheme of a fluid against the one that scenes take for drafts, at one error.
+pub fn fluids(rows: &[Measured]) -> Claim {
+    let at = |flow: Flow| {
+        let own: Vec<&Measured> =
+            rows.iter().filter(|m| m.problem == VORTICES && m.setting.flow == Some(flow)).collect();
+        time_at(&own, ERROR)
+    };
+    let name = format!("{VORTICES}: at an error of {ERROR:e} Cnp is at least {CHEAPER_FLOW} times cheaper than Draft");
+    let time = |flow| at(flow).map_or_else(|| "not reached".into(), crate::show::seconds);
+    let measured = [Flow::Draft, Flow::Cnp, Flow::ReflectionExtrapolated, Flow::CentralRk4]
+        .map(|flow| format!("{flow:?} {}", time(flow)))
+        .join(", ");
+    let ratio = at(Flow::Draft).zip(at(Flow::Cnp)).map(|(draft, own)| draft / own);
+    Claim { name, measured, pass: ratio.is_some_and(|ratio| ratio >= CHEAPER_FLOW) }
 }
 
 #[cfg(test)]

@@ -68,7 +68,7 @@ mod tests {
     fn levels_are_those_of_scenes() {
         let problem = Problem::gaussian(2, 32, Law::cattaneo(0.04, 1.0).unwrap()).unwrap();
         let [draft, standard, accurate] = Level::ALL.map(|level| setting(level, &problem, 1).unwrap());
-        assert_eq!((draft.scheme, draft.tolerance, draft.numbers), (Scheme::PaperBe, 1e-3, Numbers::F32));
+        assert_eq!((draft.scheme, draft.tolerance, draft.numbers), (Scheme::Kdk, 1e-3, Numbers::F32));
         assert_eq!((standard.scheme, standard.numbers), (Scheme::Kdk, Numbers::F32));
         assert_eq!((accurate.tolerance, accurate.numbers), (1e-8, Numbers::Mixed));
         assert!(draft.steps <= standard.steps && standard.steps <= accurate.steps);

@@ -56,7 +56,7 @@ pub fn numbers(asked: &TradeoffArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if let Some(docs) = &asked.docs {
         let text = format!(
             "# f32 against f64\n\nWritten by `cargo xtask tradeoff --numbers --docs docs/tradeoff`.\n\n\
-             phi at the end of every run of figures 3 and 4, preset {}, with the scene's own knobs but for the precision. \
+             phi at the end of every run of figures 3 and 4 that differs in more than its numerics, preset {}, with the scene's own knobs but for the precision. \
              Error of the grid: f64 on these cells against f64 on half as many per axis, by means over cells, over 3 (second \
              order). Error of f32: f32 against f64 on the same cells. Both are 2-norms relative to f64. Times are medians \
              of at least five runs, steps alone, {threads} threads. f32 is enough where its error is below a tenth of the \

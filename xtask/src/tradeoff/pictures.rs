@@ -2,14 +2,23 @@
 
 use super::sweep::Shown;
 use crate::failure::Failure;
+use cf_fluid::Scheme as Flow;
 use cf_output::{
     AxisScale, ColorRange, Curve, Join, Marker, Plane, Plot, PlotAxis, Style, Theme, color_bar, contact_sheet, draw,
 };
-use cf_tradeoff::{Measured, Numbers, Scheme, best};
+use cf_tradeoff::{Measured, Numbers, Scheme, Setting, best};
 use std::path::{Path, PathBuf};
 
-fn color(scheme: Scheme) -> [u8; 3] {
-    match scheme {
+/// By integrator; by scheme where a fluid is solved for.
+fn color(setting: &Setting) -> [u8; 3] {
+    match setting.flow {
+        Some(Flow::Draft) => return [213, 94, 0],
+        Some(Flow::Cnp) => return [0, 114, 178],
+        Some(Flow::ReflectionExtrapolated) => return [0, 158, 115],
+        Some(Flow::CentralRk4) => return [204, 121, 167],
+        Some(Flow::Auto) | None => {}
+    }
+    match setting.scheme {
         Scheme::PaperBe => [213, 94, 0],
         Scheme::Sdirk2 => [0, 114, 178],
         Scheme::Kdk => [0, 158, 115],
@@ -22,7 +31,7 @@ fn color(scheme: Scheme) -> [u8; 3] {
 const NUMBERS: [(Numbers, Marker); 3] =
     [(Numbers::F64, Marker::Circle), (Numbers::F32, Marker::Triangle), (Numbers::Mixed, Marker::Square)];
 
-/// Error against time: one colour per integrator, one symbol per precision, a line through what nothing beats, and black
+/// Error against time: one colour per integrator or scheme of a fluid, one symbol per precision, a line through what nothing beats, and black
 /// diamonds under the levels of scenes.
 pub fn pareto(problem: &str, rows: &[&Measured]) -> Plot {
     let points = |chosen: &dyn Fn(&Measured) -> bool| -> Vec<[f64; 2]> {
@@ -46,15 +55,18 @@ pub fn pareto(problem: &str, rows: &[&Measured]) -> Plot {
             });
         }
     }
-    for scheme in Scheme::ALL {
+    let mut methods: Vec<&Setting> = rows.iter().map(|m| &m.setting).collect();
+    methods.sort_by_key(|s| (Scheme::ALL.iter().position(|scheme| *scheme == s.scheme), s.flow.map(|flow| flow as u8)));
+    methods.dedup_by_key(|s| (s.scheme, s.flow));
+    for method in methods {
         for (numbers, marker) in NUMBERS {
             let chosen = points(&|m| {
                 let s = &m.setting;
-                s.scheme == scheme && s.numbers == numbers && s.level.is_none()
+                (s.scheme, s.flow) == (method.scheme, method.flow) && s.numbers == numbers && s.level.is_none()
             });
             if !chosen.is_empty() {
-                let label = format!("{scheme} {numbers}");
-                let color = Some(color(scheme));
+                let label = format!("{} {numbers}", method.method());
+                let color = Some(color(method));
                 curves.push(Curve { join: Join::Points, marker, color, ..Curve::new(label, chosen) });
             }
         }

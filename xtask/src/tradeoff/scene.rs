@@ -7,8 +7,9 @@ use crate::bench::stream::Bandwidth;
 use crate::cli::{SceneOptions, TradeoffArgs};
 use crate::failure::{Exit, Failure};
 use crate::pool;
+use cf_fluid::Scheme as Flow;
 use cf_output::read_image;
-use cf_scene::spec::{Field, Pictures};
+use cf_scene::spec::{Field, FlowScheme, Pictures};
 use cf_scene::{Experiment, Limits, Model, Scene, SceneFile, Set, catalog, progress};
 use cf_tradeoff::{Level, Measured, Numbers, Scheme, Setting, median};
 use std::path::Path;
@@ -21,6 +22,24 @@ pub struct Source {
     file: SceneFile,
     preset: String,
     sets: Vec<Set>,
+}
+
+/// The runs of a scene among which there is something to trade.
+pub struct Runs {
+    source: Source,
+    runs: Vec<Scene>,
+}
+
+impl Runs {
+    /// Those of a file, or of the first scene of a figure.
+    pub fn open(request: &str, options: &SceneOptions) -> Result<Self, Failure> {
+        let source = Source::open(request, options)?;
+        let runs = source.runs()?;
+        if runs.is_empty() {
+            return Err(Failure::usage(format!("{request}: every run is solved exactly; there is nothing to trade")));
+        }
+        Ok(Self { source, runs })
+    }
 }
 
 impl Source {
@@ -82,7 +101,7 @@ impl Source {
         let output = &mut scene.output;
         (output.vtk, output.table, output.pictures, output.fields) = (true, false, Pictures::Off, vec![Field::Phi]);
         (scene.schedule.frames, scene.schedule.interval) = (1, scene.schedule.until);
-        let numerics = scene.numerics;
+        let (numerics, solved) = (scene.numerics, scene.fluid().is_some());
         let folder = tempfile::tempdir().map_err(|e| Failure::io(format!("no temporary folder: {e}")))?;
         let options = cf_scene::Options { threads, ..cf_scene::Options::new(&self.name, folder.path()) };
         let watch = &mut progress::Silent;
@@ -113,6 +132,7 @@ impl Source {
             numbers,
             tolerance: numerics.tolerance,
             advection,
+            flow: solved.then(|| flow(numerics.flow)),
             ..Setting::new(scheme, done.steps as usize, threads)
         };
         let phases = &done.seconds.phases;
@@ -124,6 +144,17 @@ impl Source {
             seconds: phases.iter().filter(|(name, _)| *name != "output").map(|(_, s)| s).sum(),
             drift: done.mass.drift,
         }))
+    }
+}
+
+/// The scheme of a scene's fluid.
+fn flow(scheme: FlowScheme) -> Flow {
+    match scheme {
+        FlowScheme::Auto => Flow::Auto,
+        FlowScheme::Cnp => Flow::Cnp,
+        FlowScheme::ReflectionExtrapolated => Flow::ReflectionExtrapolated,
+        FlowScheme::Draft => Flow::Draft,
+        FlowScheme::CentralRk4 => Flow::CentralRk4,
     }
 }
 
@@ -204,7 +235,14 @@ pub struct Reference {
 impl Reference {
     /// Runs all three.
     pub fn of(source: &Source, scene: &Scene, threads: usize) -> Result<Self, Failure> {
-        let refuse = || Failure::usage(format!("{}: the grid cannot be halved and doubled for a reference", scene.run));
+        let refuse = || {
+            let found = crate::show::cells(&scene.grid.cells);
+            Failure::usage(format!(
+                "{}: the reference takes half and twice as many cells along each axis: expected even numbers of cells, found {found}; \
+                 --set grid.cells, where the scene allows it",
+                scene.run
+            ))
+        };
         let mut solved = Vec::new();
         for power in [-1, 0, 1] {
             let mut flags: Vec<String> = TIGHT.iter().map(|&flag| flag.to_owned()).collect();
@@ -244,6 +282,10 @@ fn turned(scene: &Scene, quick: bool) -> Vec<(Option<Level>, Vec<String>, bool)>
         knobs.extend(["Linear", "Cubic", "Muscl"].map(|a| format!("accuracy.advection={a}")));
         knobs.extend(["1e-2", "1e-3", "1e-4", "1e-6"].map(|t| format!("accuracy.tolerance={t}")));
     }
+    if scene.fluid().is_some() {
+        let schemes = ["Draft", "Cnp", "ReflectionExtrapolated", "CentralRk4"];
+        knobs.extend(schemes.map(|scheme| format!("accuracy.flow={scheme}")));
+    }
     knobs.extend(["f32", "mixed", "f64"].map(|p| format!("accuracy.precision={p}")));
     knobs.extend(cells(scene, -1));
     for knob in knobs {
@@ -263,18 +305,13 @@ fn turned(scene: &Scene, quick: bool) -> Vec<(Option<Level>, Vec<String>, bool)>
 }
 
 /// Measures a scene, writes, prints.
-pub fn scene(request: &str, asked: &TradeoffArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let source = Source::open(request, &asked.options)?;
-    let runs = source.runs()?;
-    if runs.is_empty() {
-        return Err(Failure::usage(format!("{request}: every run is solved exactly; there is nothing to trade")));
-    }
+pub fn scene(Runs { source, runs }: &Runs, asked: &TradeoffArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let threads = pool::threads(None);
     let mut bandwidth = Bandwidth::measure(&[1, threads][usize::from(threads == 1)..])?;
     let mut rows: Vec<Measured> = Vec::new();
-    for scene in &runs {
+    for scene in runs {
         let problem = format!("{}, {}", source.name, scene.run);
-        let reference = Reference::of(&source, scene, threads)?;
+        let reference = Reference::of(source, scene, threads)?;
         say!(
             "{problem}: reference {} cells, {}, order {:.2} on three grids, error about {:.1e}",
             crate::show::cells(&reference.ran.cells),

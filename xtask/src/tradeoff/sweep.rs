@@ -4,7 +4,9 @@ use super::levels;
 use crate::bench::numerical;
 use crate::failure::{Exit, Failure};
 use cf_diffusion::{Advection, Law, Splitting, kdk_limit};
+use cf_fluid::Scheme as Flow;
 use cf_tradeoff::deformation::{self, Convergence, Shape};
+use cf_tradeoff::vortices;
 use cf_tradeoff::{Level, Measured, Numbers, Problem, Scheme, Setting};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -280,6 +282,35 @@ impl<'a> Sweep<'a> {
                 );
                 self.convergence.push(found);
             }
+        }
+        Ok(())
+    }
+
+    /// P5: steps of every scheme of the fluid; around the default one tolerance, precision and threads.
+    pub fn p5(&mut self) -> Result<(), Failure> {
+        let sizes: &[usize] = if self.quick { &[32] } else { &[32, 64, 128] };
+        let mut cases = Vec::new();
+        for &n in sizes {
+            let at = |flow, courant| Setting {
+                flow: Some(flow),
+                ..Setting::new(Scheme::Transport, vortices::steps(n, courant), self.threads)
+            };
+            for flow in [Flow::Draft, Flow::Cnp, Flow::ReflectionExtrapolated] {
+                cases.extend([0.25, 0.5, 1.0, 2.0, 4.0].map(|courant| (n, at(flow, courant))));
+            }
+            cases.extend([0.25, 0.5, 0.8].map(|courant| (n, at(Flow::CentralRk4, courant))));
+            if Some(&n) == sizes.last() {
+                let own = at(Flow::Cnp, 0.5);
+                let mut turned =
+                    vec![Setting { numbers: Numbers::F32, ..own }, Setting { numbers: Numbers::Mixed, ..own }];
+                turned.extend([1e-2, 1e-3, 1e-4, 1e-6].map(|tolerance| Setting { tolerance, ..own }));
+                turned.push(Setting { threads: 1, ..own });
+                cases.extend(turned.into_iter().map(|setting| (n, setting)));
+            }
+        }
+        for (n, setting) in cases {
+            self.go_on()?;
+            self.keep(vortices::carried(n, &setting, RUNS).map_err(numerical)?);
         }
         Ok(())
     }

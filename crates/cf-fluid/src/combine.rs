@@ -76,3 +76,30 @@ pub(crate) fn push<T: Real, W: Copy, const D: usize>(
         });
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cf_grid::Axis;
+
+    /// phi = y + x/10 at centres, in units of h: on a face it is the mean of its two cells, on walls that of the one inside.
+    #[test]
+    fn buoyancy_takes_the_mean_of_a_face() {
+        let layout = Layout::new([3, 4]).unwrap();
+        let mut phi = vec![0.0; layout.slots()];
+        layout.each_cell(layout.cells_region(), |at| phi[at.slot()] = at.cell[1] as f64 + 0.1 * at.cell[0] as f64);
+        let buoyancy = Buoyancy { strength: 2.0, reference: 0.5, up: [0.0, 1.0] };
+        for (y, low, high) in [(Axis::Walls([(); 2]), 0.0, 3.0), (Axis::Periodic, 1.5, f64::NAN)] {
+            let sides = Sides([Axis::Walls([(); 2]), y]);
+            let mut u = FaceField::<f64, 2>::new(&layout);
+            push(&layout, &sides, 0.25, [0.0, 1.0], Some((buoyancy, &phi)), &mut u);
+            for (j, mean) in [(0, low), (1, 0.5), (2, 1.5), (3, 2.5), (4, high)] {
+                if !mean.is_nan() {
+                    let expected = 0.25 * (1.0 + 2.0 * (mean + 0.2 - 0.5));
+                    assert!((u.axis(1)[layout.slot([2, j])] - expected).abs() < 1e-15, "{y:?}, face {j}");
+                }
+            }
+            assert!(u.axis(0).iter().all(|u| *u == 0.0));
+        }
+    }
+}

@@ -194,9 +194,7 @@ impl<T: Real, const D: usize> Cycle<'_, T, D> {
         );
         Products { bx, xax: finest.apply(x, scratch), x: sum }
     }
-}
 
-impl<T: Real, const D: usize> Cycle<'_, T, D> {
     /// The parts of [`run`](Self::run) against the clock: the two fused sweeps and what is below them, or the cycle as a whole. `size` is
     /// that of a number here, relative to those of b.
     pub fn time<B: Real>(&mut self, b: &[B], x: &mut [T], deflation: &Deflation, size: f64, clock: &mut Clock) {

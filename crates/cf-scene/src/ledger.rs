@@ -81,7 +81,8 @@ impl FlowCounts {
         self.projections += report.projections;
         self.iterations += report.iterations;
         self.most_iterations = self.most_iterations.max(report.iterations.div_ceil(report.projections.max(1)));
-        self.divergence = self.divergence.max(report.divergence);
+        // What does not balance stays in u, whatever the projection does about the rest.
+        self.divergence = self.divergence.max(report.divergence + report.imbalance * dt);
         self.at_floor += u64::from(report.at_floor);
         self.imbalance = self.imbalance.max(report.imbalance);
         self.courant = self.courant.max(report.courant);

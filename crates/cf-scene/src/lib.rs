@@ -43,6 +43,7 @@ pub mod catalog;
 mod check;
 mod checkpoint;
 mod cloud;
+mod coarse;
 mod error;
 mod experiment;
 mod frames;

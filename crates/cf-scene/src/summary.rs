@@ -181,7 +181,7 @@ pub struct FlowSummary {
     pub solver_reason: String,
     /// Projections made, and the solver iterations of each.
     pub projections: Iterations,
-    /// Largest max|div u| dt after any projection.
+    /// Largest max|div u| dt after any projection, with what held velocities force on the fluid.
     pub divergence: f64,
     /// What every projection was to reach.
     pub eta_div: f64,

@@ -18,6 +18,7 @@
 //! All of it is counted and compared, nothing is timed: the same scene takes the same way on every machine.
 
 use crate::build::Shown;
+use crate::coarse;
 use crate::pace::Pace;
 use crate::perform::Options;
 use crate::progress::{Progress, Watch, Wish};
@@ -67,14 +68,13 @@ impl Rung {
         Rung { cells: scene.grid.cells.clone(), steps: outcome.summary.steps, phi, difference }
     }
 
-    /// The difference from phi on a finer grid.
+    /// The difference from phi on a finer grid, by means over these cells.
     fn off_from(&self, phi: &[f64], cells: &[usize]) -> f64 {
-        let (mut means, mut cells) = (phi.to_vec(), cells.to_vec());
-        while means.len() > self.phi.len() {
-            means = halved(&means, &cells);
-            cells.iter_mut().for_each(|n| *n /= 2);
+        if phi.len() != cells.iter().product::<usize>() {
+            return f64::NAN;
         }
-        difference(&self.phi, &means)
+        let means = coarse::means(phi, cells, &self.cells);
+        coarse::difference(self.phi.iter().copied().zip(means))
     }
 }
 
@@ -296,33 +296,6 @@ impl Watch for Quiet<'_> {
     fn note(&mut self, _: &str) {}
 }
 
-/// phi on a grid of half as many cells along each axis, by means; x fastest.
-fn halved(phi: &[f64], cells: &[usize]) -> Vec<f64> {
-    let n = |axis: usize| cells.get(axis).copied().unwrap_or(1);
-    let by = |axis: usize| if axis < cells.len() { 2 } else { 1 };
-    let coarse = [n(0) / by(0), n(1) / by(1), n(2) / by(2)];
-    let mut means = vec![0.0; coarse.iter().product()];
-    let share = 1.0 / (by(0) * by(1) * by(2)) as f64;
-    for (index, value) in phi.iter().enumerate() {
-        let (x, y, z) = (index % n(0), index / n(0) % n(1), index / (n(0) * n(1)));
-        means[x / by(0) + coarse[0] * (y / by(1) + coarse[1] * (z / by(2)))] += share * value;
-    }
-    means
-}
-
-/// Relative to the second, in the mean square; 0 where both are 0.
-fn difference(one: &[f64], other: &[f64]) -> f64 {
-    let (off, size) =
-        one.iter().zip(other).fold((0.0, 0.0), |(off, size), (a, b)| (off + (a - b) * (a - b), size + b * b));
-    if one.len() != other.len() {
-        f64::NAN
-    } else if off == 0.0 {
-        0.0
-    } else {
-        (off / size).sqrt()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -363,15 +336,5 @@ mod tests {
         assert_eq!(second.on(0, &rungs(f64::NAN)), f64::INFINITY);
         assert_eq!(Judgement::of(&[f64::INFINITY, 0.1]).order, 1.0);
         assert_eq!(Judgement::of(&[0.1, 0.2]).order, 0.5);
-    }
-
-    #[test]
-    fn means_and_differences() {
-        let phi: Vec<f64> = (0..16).map(f64::from).collect();
-        assert_eq!(halved(&phi, &[4, 4]), [2.5, 4.5, 10.5, 12.5]);
-        assert_eq!(halved(&phi[..8], &[2, 2, 2]), [3.5]);
-        assert_eq!(difference(&[1.0, 0.0], &[1.0, 1.0]), 0.5f64.sqrt());
-        assert_eq!(difference(&[0.0], &[0.0]), 0.0);
-        assert!(difference(&[0.0], &[]).is_nan());
     }
 }

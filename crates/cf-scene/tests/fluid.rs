@@ -341,6 +341,30 @@ fn claimed(claim: &str, flags: &[&str]) -> (bool, String) {
     (found.pass, found.measured)
 }
 
+/// What goes into a closed part of the fluid stays in it as divergence: no projection takes it out, and no claim may hide it.
+#[test]
+fn what_does_not_balance_fails_the_claim_of_divergence() {
+    let scene = |solved: &str, obstacles: &str| {
+        format!(
+            "(grid: (cells: (32, 32), extent: (1.0, 1.0)), \
+             sides: (x: Walls(low: Open, high: Open), y: Walls(low: Open, high: Open)), \
+             model: Diffusion(law: (k: 0.0, tau: 0.0), medium: Solved({solved}), obstacles: [{obstacles}]), \
+             accuracy: (precision: f64), run: (until: 0.1, frames: 1), \
+             claims: [(name: \"it\", source: Ours, kind: Must, statement: Divergence(most: 1e-4))])"
+        )
+    };
+    let jet = "jets: [(shape: Box(low: (0.3, 0.0), high: (0.6, 0.2)), velocity: (0.0, 1.0))]";
+    // Half of the jet blows into a solid.
+    let half = "Box(low: (0.45, 0.1), high: (0.7, 0.4))";
+    let inflow = "walls: (x: (low: Inflow((1.0, 0.0)), high: Closed), y: (low: Closed, high: Closed))";
+    for (solved, obstacles, holds) in [(jet, "", true), (jet, half, false), (inflow, "", false)] {
+        let summary = dry(&experiment(&scene(solved, obstacles), &[]));
+        let (claim, flow) = (&summary.claims[0], summary.runs[0].flow.as_ref().unwrap());
+        assert_eq!((claim.pass, flow.imbalance == 0.0), (holds, holds), "{solved}: {} {flow:?}", claim.measured);
+        assert!(holds || flow.divergence > 1e-3, "{solved}: {flow:?}");
+    }
+}
+
 #[test]
 fn claims_about_a_fluid_hold_and_can_fail() {
     let no_reference = &["model.medium.buoyancy.reference=0.0", "run.frames=30"][..];

@@ -6,11 +6,11 @@ use super::{numerical, timing};
 use crate::failure::Failure;
 use crate::{pool, show};
 use cf_diffusion::MediumError;
-use cf_diffusion::medium::stream_function;
-use cf_fluid::exact::taylor_green_3d;
+use cf_diffusion::medium::{stream_function, vector_potential};
 use cf_fluid::{FlowSettings, FlowWall, Fluid, Interpolation, Projection, Scheme, Transport};
 use cf_grid::{CellField, FaceField, Grid, Real, Sides};
 use cf_linear::Precision;
+use nalgebra::SVector;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -57,12 +57,12 @@ pub fn measure(sizes: &Sizes, threads: usize, stop: &AtomicBool) -> Result<Vec<R
             }
         }
     }
-    let [plane, space] = sizes.steps;
+    let [flat, deep] = sizes.steps;
     pool::within(threads, || {
-        solved::<f32, 2>([plane; 2], vortices, threads, stop, &mut rows)?;
-        solved::<f64, 2>([plane; 2], vortices, threads, stop, &mut rows)?;
-        solved::<f32, 3>([space; 3], taylor_green_3d, threads, stop, &mut rows)?;
-        solved::<f64, 3>([space; 3], taylor_green_3d, threads, stop, &mut rows)
+        solved::<f32, 2>([flat; 2], plane, threads, stop, &mut rows)?;
+        solved::<f64, 2>([flat; 2], plane, threads, stop, &mut rows)?;
+        solved::<f32, 3>([deep; 3], space, threads, stop, &mut rows)?;
+        solved::<f64, 3>([deep; 3], space, threads, stop, &mut rows)
     })??;
     Ok(rows)
 }
@@ -73,9 +73,17 @@ enum Walls {
     Closed,
 }
 
-/// u = (sin x cos y, -cos x sin y) on a box of 2 pi, which no wall hinders.
-fn vortices<T: Real>(grid: &Grid<2>) -> Result<FaceField<T, 2>, MediumError> {
-    stream_function(grid, |x| x[0].sin() * x[1].sin())
+/// Vortices on a box of 2 pi that no wall hinders, of two sizes, so that they change.
+fn plane<T: Real>(grid: &Grid<2>) -> Result<FaceField<T, 2>, MediumError> {
+    stream_function(grid, |x| x[0].sin() * x[1].sin() + 0.3 * (2.0 * x[0]).sin() * (3.0 * x[1]).sin())
+}
+
+/// The same in space.
+fn space<T: Real>(grid: &Grid<3>) -> Result<FaceField<T, 3>, MediumError> {
+    vector_potential(grid, |x| {
+        let [[sx, cx], [sy, cy], [sz, cz]] = [0, 1, 2].map(|a| [x[a].sin(), x[a].cos()]);
+        SVector::from([sy * cy * sz * cx, 0.0, sx * sy * cz])
+    })
 }
 
 fn grid<const D: usize>(cells: [usize; D]) -> Result<Grid<D>, Failure> {
@@ -89,7 +97,7 @@ fn transport(n: usize, walls: Walls, how: Interpolation, threads: usize) -> Resu
         Walls::Periodic => Sides::periodic(),
         Walls::Closed => Sides::all(FlowWall::Closed),
     };
-    let mut by = taylor_green_3d::<f32>(&grid).map_err(numerical)?;
+    let mut by = space::<f32>(&grid).map_err(numerical)?;
     let mut u = by.clone();
     let mut phi = CellField::new(grid.layout());
     grid.layout().par_cells(&mut phi, |at| rough(&at.cell) as f32);

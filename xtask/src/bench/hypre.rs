@@ -99,6 +99,7 @@ fn read(line: &str) -> Option<Turn> {
         rounding: 0.0,
         norm: number("norm")?,
         plan: None,
+        kernels: Vec::new(),
     })
 }
 
@@ -139,7 +140,7 @@ mod tests {
                 let (tolerance, numbers) = (Tolerance(1e-10), Numbers::F64);
                 let solids = Solids::Open;
                 let problem = Problem { cells: Cells(cells), walls, solids, strength, tolerance, numbers, threads: 2 };
-                let [ours, theirs] = [solver::turn(&problem).unwrap(), hypre.turn(&problem).unwrap()];
+                let [ours, theirs] = [solver::turn(&problem, 0).unwrap(), hypre.turn(&problem).unwrap()];
                 assert!((ours.norm - theirs.norm).abs() < 1e-8 * theirs.norm, "{problem}: {ours:?} {theirs:?}");
                 assert!(ours.residual.max(theirs.residual) < 2e-10, "{problem}: {ours:?} {theirs:?}");
             }

@@ -191,7 +191,7 @@ impl Work {
             };
             let outcome = outcome.and_then(|()| {
                 if self.kernels {
-                    solves.kernels.push((problem.clone(), solver::kernels(problem, RUNS_OF_A_SWEEP)?));
+                    solves.kernels.push((problem.clone(), solver::turn(problem, RUNS_OF_A_SWEEP)?.kernels));
                 }
                 Ok(())
             });

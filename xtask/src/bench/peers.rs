@@ -35,7 +35,7 @@ pub fn compare(
 ) -> Result<(Measured, Result<Measured, Failure>), Failure> {
     let (mut ours, mut theirs) = (Vec::new(), Ok(Vec::new()));
     for _ in 0..runs {
-        ours.push(solver::turn(problem)?);
+        ours.push(solver::turn(problem, 0)?);
         if let Ok(turns) = &mut theirs {
             match hypre.turn(problem) {
                 Ok(turn) => turns.push(turn),
@@ -108,6 +108,7 @@ mod tests {
             rounding: 1e-15,
             norm,
             plan: None,
+            kernels: Vec::new(),
         };
         Measured { problem, method: "a method".into(), turns: vec![turn] }
     }

@@ -31,6 +31,8 @@ pub struct Turn {
     pub norm: f64,
     /// Where the method has reasons.
     pub plan: Option<String>,
+    /// Sweeps of the solve, where they were asked for and the plan has a preconditioner.
+    pub kernels: Vec<Kernel>,
 }
 
 /// How a solve ended.
@@ -102,7 +104,7 @@ pub fn measure(problem: &Problem, runs: usize) -> Result<Measured, Failure> {
     const MOST: usize = 15;
     let (mut turns, mut spent) = (Vec::new(), 0.0);
     while turns.len() < runs || (spent < ENOUGH && turns.len() < MOST) {
-        let turn = turn(problem)?;
+        let turn = turn(problem, 0)?;
         spent += turn.seconds;
         turns.push(turn);
     }
@@ -115,41 +117,11 @@ pub fn method(turns: &[Turn]) -> String {
     format!("cf {}", plan.split(':').next().unwrap_or_default())
 }
 
-/// Builds a solver, touches its memory, solves once, and looks at the solution.
-pub fn turn(problem: &Problem) -> Result<Turn, Failure> {
-    with_system(problem, Solving)
-}
-
-/// The sweeps of a solve, each alone, the best of `runs`; none where the plan has no preconditioner.
-pub fn kernels(problem: &Problem, runs: usize) -> Result<Vec<Kernel>, Failure> {
-    with_system(problem, Timing(runs))
-}
-
-/// What is done with a system, whatever its numbers and axes.
-trait Work: Send {
-    type Found: Send;
-    fn run<T: Real, const D: usize>(
-        self,
-        problem: &Problem,
-        system: &System<'_, T, D>,
-    ) -> Result<Self::Found, SolveError>;
-}
-
-/// An operator that is not built yet, and a right-hand side.
-struct System<'a, T, const D: usize> {
-    layout: &'a Layout<D>,
-    operator: &'a Helmholtz<'a, D>,
-    options: Options,
-    b: Vec<T>,
-}
-
-struct Solving;
-struct Timing(usize);
-
-fn with_system<W: Work>(problem: &Problem, work: W) -> Result<W::Found, Failure> {
+/// Builds a solver, touches its memory, solves once, looks at the solution, and makes every sweep of it `sweeps` times.
+pub fn turn(problem: &Problem, sweeps: usize) -> Result<Turn, Failure> {
     let done = pool::within(problem.threads, || match problem.cells.0[..] {
-        [x, y] => by_numbers(problem, [x, y], work),
-        [x, y, z] => by_numbers(problem, [x, y, z], work),
+        [x, y] => by_numbers(problem, [x, y], sweeps),
+        [x, y, z] => by_numbers(problem, [x, y, z], sweeps),
         _ => Err(numerical("a box has two or three axes")),
     })?;
     done.map_err(|error| match error {
@@ -158,61 +130,37 @@ fn with_system<W: Work>(problem: &Problem, work: W) -> Result<W::Found, Failure>
     })
 }
 
-fn by_numbers<const D: usize, W: Work>(problem: &Problem, cells: [usize; D], work: W) -> Result<W::Found, Failure> {
+fn by_numbers<const D: usize>(problem: &Problem, cells: [usize; D], sweeps: usize) -> Result<Turn, Failure> {
     let layout = Layout::new(cells).map_err(numerical)?;
     match problem.numbers {
-        Numbers::F64 => system::<f64, D, W>(problem, &layout, Precision::Full, work),
-        Numbers::Mixed => system::<f64, D, W>(problem, &layout, Precision::Single, work),
-        Numbers::F32 => system::<f32, D, W>(problem, &layout, Precision::Full, work),
+        Numbers::F64 => solve::<f64, D>(problem, &layout, Precision::Full, sweeps),
+        Numbers::Mixed => solve::<f64, D>(problem, &layout, Precision::Single, sweeps),
+        Numbers::F32 => solve::<f32, D>(problem, &layout, Precision::Full, sweeps),
     }
     .map_err(numerical)
 }
 
-fn system<T: Real, const D: usize, W: Work>(
+fn solve<T: Real, const D: usize>(
     problem: &Problem,
     layout: &Layout<D>,
     precision: Precision,
-    work: W,
-) -> Result<W::Found, SolveError> {
-    let (alpha, kappa) = problem.coefficients();
-    let large = problem.strength == Strength::Poisson || kappa >= MULTIGRID_FROM;
-    let plan = large.then_some(Plan::Multigrid);
-    let options = Options { plan, precision, reduction: problem.tolerance.0, ..Options::default() };
-    let (mask, operator) = (problem.mask(layout), Helmholtz::new(layout, alpha, kappa, problem.sides()));
-    let (operator, b) = match &mask {
-        None => (operator, noise::<T, D>(layout)),
-        Some(mask) => (operator.with_mask(mask), noise_around(mask, &problem.sides())),
-    };
-    work.run(problem, &System { layout, operator: &operator, options, b })
-}
-
-impl Work for Timing {
-    type Found = Vec<Kernel>;
-
-    fn run<T: Real, const D: usize>(
-        self,
-        problem: &Problem,
-        system: &System<'_, T, D>,
-    ) -> Result<Vec<Kernel>, SolveError> {
-        let mut solver = Solver::<T, D>::new(system.operator, system.options)?;
-        let mut x = vec![T::ZERO; system.layout.slots()];
-        solver.kernels(&system.b, &mut x, Stop::Relative(problem.tolerance.0), self.0)
-    }
-}
-
-impl Work for Solving {
-    type Found = Turn;
-
-    fn run<T: Real, const D: usize>(self, problem: &Problem, system: &System<'_, T, D>) -> Result<Turn, SolveError> {
-        solve(problem, system)
-    }
-}
-
-fn solve<T: Real, const D: usize>(problem: &Problem, system: &System<'_, T, D>) -> Result<Turn, SolveError> {
-    let System { layout, b, .. } = system;
+    sweeps: usize,
+) -> Result<Turn, SolveError> {
     let ((alpha, kappa), tolerance) = (problem.coefficients(), problem.tolerance.0);
+    let large = problem.strength == Strength::Poisson || kappa >= MULTIGRID_FROM;
+    let options =
+        Options { plan: large.then_some(Plan::Multigrid), precision, reduction: tolerance, ..Options::default() };
+    let mask = problem.mask(layout);
+    let b = &match &mask {
+        None => noise::<T, D>(layout),
+        Some(mask) => noise_around(mask, &problem.sides()),
+    };
     let mut x = vec![T::ZERO; layout.slots()];
-    let (solver, setup_seconds) = timing::timed(|| Solver::<T, D>::new(system.operator, system.options));
+    let (solver, setup_seconds) = timing::timed(|| {
+        let operator = Helmholtz::new(layout, alpha, kappa, problem.sides());
+        let operator = if let Some(mask) = &mask { operator.with_mask(mask) } else { operator };
+        Solver::<T, D>::new(&operator, options)
+    });
     let mut solver = solver?;
     let (first, first_seconds) = timing::timed(|| solver.solve(b, &mut x, Stop::Relative(0.5)));
     let (done, seconds) = timing::timed(|| solver.solve(b, &mut x, Stop::Relative(tolerance)));
@@ -227,7 +175,8 @@ fn solve<T: Real, const D: usize>(problem: &Problem, system: &System<'_, T, D>) 
     let rounding = relative(4.0 * T::EPSILON * diagonal * square.sqrt());
     let residual = relative(residual(&solver, layout, b, &mut x));
     let plan = Some(solver.choice().to_string());
-    Ok(Turn { iterations, seconds, setup_seconds, new_seconds, bytes, residual, rounding, norm, plan })
+    let kernels = if sweeps > 0 { solver.kernels(b, &mut x, Stop::Relative(tolerance), sweeps)? } else { Vec::new() };
+    Ok(Turn { iterations, seconds, setup_seconds, new_seconds, bytes, residual, rounding, norm, plan, kernels })
 }
 
 /// What the first iterations took longer than the later ones, at least 0.

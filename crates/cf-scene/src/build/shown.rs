@@ -2,6 +2,7 @@
 //! and waves of the initial state alias.
 
 use super::{BuildError, coverage, diffusion};
+use crate::coarse;
 use crate::scene::{Diffusion, Model, Scene};
 use crate::solid::Solid;
 use cf_diffusion::Law;
@@ -32,45 +33,19 @@ impl Shown {
 
     /// Whether a grid of 2^n times as large cells shows the same: means of phi within a quarter, obstacles and sources that hold
     /// phi within a half, both in the mean square, and as many connected parts.
-    pub fn is_shown_by(&self, coarse: &Shown) -> bool {
+    pub fn is_shown_by(&self, grid: &Shown) -> bool {
         const OFF: f64 = 0.25;
         const LOST: f64 = 0.5;
-        let means = self.means(&self.initial, &coarse.cells);
-        let flags = self.flags.iter().zip(&coarse.flags);
-        self.parts == coarse.parts
-            && off(&coarse.initial, &means) <= OFF
-            && flags.into_iter().all(|(fine, coarse_flags)| {
-                let spread: Vec<f64> = (0..fine.len()).map(|i| coarse_flags[self.above(i, &coarse.cells)]).collect();
-                off(&spread, fine) <= LOST
+        let means = coarse::means(&self.initial, &self.cells, &grid.cells);
+        let initial = grid.initial.iter().copied().zip(means);
+        let flags = self.flags.iter().zip(&grid.flags);
+        self.parts == grid.parts
+            && coarse::difference(initial) <= OFF
+            && flags.into_iter().all(|(fine, spread)| {
+                let spread = |(i, flag): (usize, &f64)| (spread[coarse::above(i, &self.cells, &grid.cells)], *flag);
+                coarse::difference(fine.iter().enumerate().map(spread)) <= LOST
             })
     }
-
-    /// The index of the coarse cell that has the cell of an index in it.
-    fn above(&self, index: usize, coarse: &[usize]) -> usize {
-        let (mut rest, mut stride, mut above) = (index, 1, 0);
-        for (n, m) in self.cells.iter().zip(coarse) {
-            above += stride * (rest % n * m / n);
-            (rest, stride) = (rest / n, stride * m);
-        }
-        above
-    }
-
-    fn means(&self, values: &[f64], coarse: &[usize]) -> Vec<f64> {
-        let count: usize = coarse.iter().product();
-        let mut means = vec![0.0; count];
-        let share = count as f64 / values.len() as f64;
-        for (i, value) in values.iter().enumerate() {
-            means[self.above(i, coarse)] += share * value;
-        }
-        means
-    }
-}
-
-/// The mean square difference relative to that of the second; 0 where both are zeros.
-fn off(one: &[f64], other: &[f64]) -> f64 {
-    let (off, size) =
-        one.iter().zip(other).fold((0.0, 0.0), |(off, size), (a, b)| (off + (a - b) * (a - b), size + b * b));
-    if off == 0.0 { 0.0 } else { (off / size).sqrt() }
 }
 
 fn on<const D: usize>(scene: &Scene, model: &Diffusion) -> Result<Shown, BuildError> {

@@ -3,7 +3,7 @@
 //!
 //! Velocities are in m/s, the potential s in m/s times h: div u = out/h with out = Σ (u_R - u_L), grad s = s - s_low.
 
-use cf_grid::{End, FaceField, Layout, Max, Real, Reduce, Sides, row_dot};
+use cf_grid::{End, FaceField, Layout, Max, Real, Reduce, Region, Sides, row_dot};
 
 use crate::gates::{Gates, wall_faces};
 
@@ -181,20 +181,23 @@ pub(crate) fn max_speed<T: Real, W: Copy, const D: usize>(
     sides: &Sides<W, D>,
     u: &FaceField<T, D>,
 ) -> f64 {
-    let axis = |a: usize| -> Max {
-        layout.par_runs(
-            layout.faces_region(a, sides.is_periodic(a)),
-            (),
-            #[inline(always)]
-            |run, ()| {
-                let (mut max, mut poison) = (T::ZERO, T::ZERO);
-                for &u in run.row(u.axis(a)) {
-                    max = max.max(u.abs());
-                    poison += u * T::ZERO;
-                }
-                Max((max + poison).f64())
-            },
-        )
-    };
-    (0..D).map(axis).fold(Max(0.0), Max::merge).0
+    let axes = (0..D).map(|a| largest(layout, layout.faces_region(a, sides.is_periodic(a)), u.axis(a)));
+    axes.fold(Max(0.0), Max::merge).0
+}
+
+/// max|u| over a region; NaN if any is not a number.
+pub(crate) fn largest<T: Real, const D: usize>(layout: &Layout<D>, region: Region<D>, u: &[T]) -> Max {
+    layout.par_runs(
+        region,
+        (),
+        #[inline(always)]
+        |run, ()| {
+            let (mut max, mut poison) = (T::ZERO, T::ZERO);
+            for &u in run.row(u) {
+                max = max.max(u.abs());
+                poison += u * T::ZERO;
+            }
+            Max((max + poison).f64())
+        },
+    )
 }

@@ -4,12 +4,13 @@
 //! through the others is what the wall lets in, reached linearly from the outermost value. Near solids the cubic is held
 //! within the values around the foot.
 
-use cf_grid::{End, FaceField, Layout, Mask, Real, Sides, Slabs, join, vectorised};
+use cf_grid::{End, FaceField, Layout, Mask, Max, Real, Reduce, Sides, Slabs, join, vectorised};
 
-use crate::chunk::{Along, FEW, LANES, Lanes, cubic, linear, range};
+use crate::calculus::largest;
+use crate::chunk::{Along, FEW, LANES, Lanes, cubic, linear, ranges};
 use crate::fill::Fill;
 use crate::lattice::Lattice;
-use crate::limit::{beside_walls, hold, near_solids, range_beyond, reverted};
+use crate::limit::{away_from_walls, hold, near_solids, range_beyond, reverted};
 use crate::paths::{Ring, STRIP, TILE, Tile};
 use crate::point;
 use crate::trace::{feet, inside};
@@ -26,6 +27,9 @@ pub enum Interpolation {
     /// solids and above CFL 2 it reverts to linear where the result leaves the range of its sources.
     MacCormack,
 }
+
+/// Cells of a step beyond which MacCormack's correction may have to be taken back.
+const FAR: f64 = 2.0;
 
 /// Transport by velocities on the faces of one domain.
 #[derive(Debug, Clone)]
@@ -129,6 +133,8 @@ impl<const D: usize> Carry<D> {
         let u = by.axes();
         let near = self.near.as_deref();
         let half = T::of(0.5);
+        // What is not a number may be anywhere.
+        let short = self.fastest(by) * ratio.abs() <= FAR;
         self.stretches(
             lattice,
             there,
@@ -136,11 +142,19 @@ impl<const D: usize> Carry<D> {
             |cell, len, row| {
                 let slot = slot_of(lattice, cell);
                 let (from_row, back) = (&from[slot..slot + len], &back[slot..slot + len]);
+                let near = near.map(|near| &near[slot..slot + len]).filter(|near| near.contains(&true));
+                let free = away_from_walls(lattice, cell, len);
+                if short && free.len() == len && near.is_none() {
+                    for i in 0..len {
+                        row[i] += half * (from_row[i] - back[i]);
+                    }
+                    return;
+                }
                 let shift = feet(lattice, &self.faces, &u, ratio, cell, len);
-                let limited = range_beyond(&shift, 2.0) || beside_walls(lattice, cell, len);
+                let long = range_beyond(&shift, FAR);
                 for i in 0..len {
                     let value = row[i] + half * (from_row[i] - back[i]);
-                    if limited || near.is_some_and(|near| near[slot + i]) {
+                    if long || !free.contains(&i) || near.is_some_and(|near| near[i]) {
                         let mut own = cell;
                         own[0] += i as i64;
                         let mut foot = [T::ZERO; D];
@@ -154,6 +168,12 @@ impl<const D: usize> Carry<D> {
                 }
             },
         );
+    }
+
+    /// max|u_a| over all faces \[m/s\]; NaN if any is not a number.
+    fn fastest<T: Real>(&self, u: &FaceField<T, D>) -> f64 {
+        let axes = (0..D).map(|a| largest(&self.layout, self.faces[a].region, u.axis(a)));
+        axes.fold(Max(0.0), Max::merge).0
     }
 
     /// Calls `body(first index, length, out)` for stretches of at most [`LANES`] values.
@@ -248,15 +268,16 @@ impl<T: Real, const D: usize, const K: usize, const N: usize> Load<'_, T, D, K, 
             }
             cell[D - 1] = k as i64;
             let free = ring.of(lattice.normal, tile, x, j, k as i64, len);
-            let mut shift = free;
-            inside(lattice, cell, len, &mut shift);
-            let mut value = fetch::<T, D, K>(lattice, from, cell, len, &shift);
+            let reach = ranges(&free);
+            let (mut shift, mut bounds) = (free, reach);
+            inside(lattice, cell, len, &mut shift, &mut bounds);
+            let mut value = fetch::<T, D, K>(lattice, from, cell, len, &shift, &bounds);
             if K == 4
                 && let Some(near) = &self.carry.near
             {
                 hold::<T, D, K>(lattice, near, from, cell, len, &shift, &mut value);
             }
-            let_in(lattice, cell, len, &free, &mut value);
+            let_in(lattice, cell, len, &free, &reach, &mut value);
             let at = slot_of(lattice, cell) - base;
             out[at..at + len].copy_from_slice(&value[..len]);
             x += len;
@@ -273,7 +294,7 @@ pub(crate) fn slot_of<const D: usize>(lattice: &Lattice<D>, cell: [i64; D]) -> u
     lattice.layout.slot(place)
 }
 
-/// The values at `shift` from each of a stretch.
+/// The values at `shift`, which is within `bounds`, from each of a stretch.
 #[inline(always)]
 fn fetch<T: Real, const D: usize, const K: usize>(
     lattice: &Lattice<D>,
@@ -281,8 +302,9 @@ fn fetch<T: Real, const D: usize, const K: usize>(
     cell: [i64; D],
     len: usize,
     shift: &[Lanes<T>; D],
+    bounds: &[[T; 2]; D],
 ) -> Lanes<T> {
-    together::<T, D, K, LANES>(lattice, field, cell, shift)
+    together::<T, D, K, LANES>(lattice, field, cell, shift, bounds)
         .unwrap_or_else(|| fetch_parts::<T, D, K>(lattice, field, cell, len, shift))
 }
 
@@ -293,11 +315,12 @@ fn together<T: Real, const D: usize, const K: usize, const L: usize>(
     field: &[T],
     cell: [i64; D],
     shift: &[Lanes<T, L>; D],
+    bounds: &[[T; 2]; D],
 ) -> Option<Lanes<T, L>> {
     let mut along = [Along::NONE; D];
     let mut usable = true;
     for a in 0..D {
-        usable &= along[a].set(&shift[a], range(&shift[a]), T::ZERO);
+        usable &= along[a].set(&shift[a], bounds[a], T::ZERO);
     }
     if !usable {
         return None;
@@ -329,7 +352,7 @@ fn fetch_parts<T: Real, const D: usize, const K: usize>(
                 for a in 0..D {
                     few[a].copy_from_slice(&shift[a][begin..begin + FEW]);
                 }
-                let part = together::<T, D, K, FEW>(lattice, field, own, &few);
+                let part = together::<T, D, K, FEW>(lattice, field, own, &few, &ranges(&few));
                 let part = match part {
                     Some(part) => part,
                     None => fetch_points::<T, D, K>(lattice, field, own, &few),
@@ -362,13 +385,14 @@ fn let_in<T: Real, const D: usize>(
     cell: [i64; D],
     len: usize,
     shift: &[Lanes<T>; D],
+    bounds: &[[T; 2]; D],
     value: &mut Lanes<T>,
 ) {
     for a in 0..D {
         if !lattice.walled(a) {
             continue;
         }
-        let [least, most] = range(&shift[a]);
+        let [least, most] = bounds[a];
         let along = if a == 0 { (len - 1) as f64 } else { 0.0 };
         let last = lattice.last(a) as f64;
         if cell[a] as f64 + least.f64() < 0.0 || cell[a] as f64 + along + most.f64() > last {

@@ -51,6 +51,16 @@ pub(crate) fn range<T: Real, const L: usize>(x: &Lanes<T, L>) -> [T; 2] {
     [low[0], high[0]]
 }
 
+/// The same along every axis.
+#[inline(always)]
+pub(crate) fn ranges<T: Real, const D: usize, const L: usize>(x: &[Lanes<T, L>; D]) -> [[T; 2]; D] {
+    let mut bounds = [[T::ZERO; 2]; D];
+    for a in 0..D {
+        bounds[a] = range(&x[a]);
+    }
+    bounds
+}
+
 impl<T: Real, const L: usize> Along<T, L> {
     /// Nowhere yet.
     pub const NONE: Self = Self { first: 0, torn: false, t: [T::ZERO; L] };

@@ -18,8 +18,8 @@ use crate::wall::FlowWall;
 /// A step has two halves, between which a quantity can be carried by the velocity of the middle of the step:
 /// [`begin`](Self::begin) gives that velocity, [`finish`](Self::finish) ends the step; [`step`](Self::step) is both.
 ///
-/// Memory: three velocities, one to three scalars for pressures, two for a solve, and the solver; those of the solve and
-/// the solver's vectors can be [shared](Self::share).
+/// Memory: three velocities, one to three scalars for pressures, the levels of the solver, and five scalars of scratch, in which
+/// transport and solves take turns and which can be [shared](Self::share).
 pub struct Fluid<T, const D: usize> {
     pub(crate) grid: Grid<D>,
     pub(crate) settings: FlowSettings<D>,
@@ -41,6 +41,8 @@ pub struct Fluid<T, const D: usize> {
     pub(crate) time: f64,
     pub(crate) history: History,
     pub(crate) stage: Option<Stage>,
+    /// Scratch of a fluid on its own; no pool where it [shares](Self::share) another.
+    pub(crate) own: Pool<T>,
     /// The velocity lent to the transport, and whose place it left empty.
     medium: Medium<T, D>,
     lent: Lent,
@@ -90,7 +92,9 @@ impl<T: Real, const D: usize> Fluid<T, D> {
     ) -> Result<Self, FlowError> {
         settings.check()?;
         let layout = grid.layout();
-        let projection = Projection::new(grid, sides, mask, settings.precision)?;
+        let own = Pool::new();
+        let mut projection = Projection::new(grid, sides, mask, settings.precision)?;
+        projection.share(&own);
         let faces = || FaceField::new(layout);
         let scalar = || CellField::new(layout);
         let empty = FaceField::new(&Layout::new([1; D]).map_err(|_| FlowError::Order("a grid without dimensions"))?);
@@ -109,6 +113,7 @@ impl<T: Real, const D: usize> Fluid<T, D> {
             time: 0.0,
             history: History::default(),
             stage: None,
+            own,
             medium: Medium::Still,
             lent: Lent::Nothing,
             empty: Some(empty),
@@ -128,6 +133,7 @@ impl<T: Real, const D: usize> Fluid<T, D> {
     /// From now on scratch comes from `pool` and goes back to it within each half of a step.
     pub fn share(&mut self, pool: &Pool<T>) {
         self.projection.share(pool);
+        self.own = Pool::default();
     }
 
     /// Sets the velocity \[m/s\], makes it free of divergence, and forgets earlier steps.

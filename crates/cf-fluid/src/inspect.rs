@@ -1,6 +1,6 @@
 //! What can be asked of a flow between steps.
 
-use cf_grid::{CellField, Grid, Mask, Real, Sides};
+use cf_grid::{CellField, Grid, Mask, Max, Real, Sides};
 
 use crate::calculus::{kinetic_energy, max_speed, net_outflow};
 use crate::fluid::Fluid;
@@ -83,15 +83,18 @@ impl<T: Real, const D: usize> Fluid<T, D> {
     pub fn buoyancy_dt(&self, phi: &CellField<T>) -> f64 {
         let Some(buoyancy) = self.settings.buoyancy else { return f64::INFINITY };
         let (layout, mask) = (self.grid.layout(), self.mask());
-        let mut largest = 0f64;
-        layout.each_cell(layout.cells_region(), |at| {
-            for a in (0..D).filter(|&a| at.cell[a] > 0) {
-                if mask.is_none_or(|m| m.fluid()[at.slot()] && m.fluid()[at.low(a)]) {
-                    largest = largest.max((phi[at.slot()].f64() - phi[at.low(a)].f64()).abs());
+        let largest: Max = layout.par_runs(layout.cells_region(), (), |run, ()| {
+            let mut largest = 0f64;
+            for at in run.ats() {
+                for a in (0..D).filter(|&a| at.cell[a] > 0) {
+                    if mask.is_none_or(|m| m.fluid()[at.slot()] && m.fluid()[at.low(a)]) {
+                        largest = largest.max((phi[at.slot()].f64() - phi[at.low(a)].f64()).abs());
+                    }
                 }
             }
+            Max(largest)
         });
-        1.0 / (buoyancy.strength.abs() * largest / self.grid.h()).sqrt()
+        1.0 / (buoyancy.strength.abs() * largest.0 / self.grid.h()).sqrt()
     }
 
     /// Bytes of all storage.
@@ -104,6 +107,7 @@ impl<T: Real, const D: usize> Fluid<T, D> {
             + self.potential.iter().map(CellField::bytes).sum::<usize>()
             + self.carry.bytes()
             + self.projection.bytes()
+            + self.own.bytes()
             + held
     }
 }

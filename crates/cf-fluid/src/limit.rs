@@ -1,5 +1,7 @@
 //! Where interpolation is held back: near walls and solids, and where a step is long.
 
+use std::ops::Range;
+
 use cf_grid::{Mask, Real};
 
 use crate::carry::slot_of;
@@ -64,16 +66,23 @@ pub(crate) fn range_beyond<T: Real, const D: usize>(shift: &[Lanes<T>; D], most:
     largest.f64() > most || !largest.is_finite()
 }
 
-/// Whether any value of a stretch is close to a wall.
+/// The values of a stretch that are not close to a wall.
 #[inline(always)]
-pub(crate) fn beside_walls<const D: usize>(lattice: &Lattice<D>, cell: [i64; D], len: usize) -> bool {
-    let mut beside = false;
+pub(crate) fn away_from_walls<const D: usize>(lattice: &Lattice<D>, cell: [i64; D], len: usize) -> Range<usize> {
+    let reach = REACH as i64;
+    let mut free = 0..len;
     for a in 0..D {
-        let along = if a == 0 { len as i64 - 1 } else { 0 };
-        let reach = REACH as i64;
-        beside |= lattice.walled(a) && (cell[a] < reach || cell[a] + along > lattice.last(a) - reach);
+        if !lattice.walled(a) {
+            continue;
+        }
+        let (first, end) = (reach - cell[a], lattice.last(a) - reach + 1 - cell[a]);
+        if a == 0 {
+            free = first.clamp(0, len as i64) as usize..end.clamp(0, len as i64) as usize;
+        } else if first > 0 || end <= 0 {
+            return 0..0;
+        }
     }
-    beside
+    free
 }
 
 /// Flags of cells with a solid within [`REACH`] cells along every axis.
@@ -97,4 +106,25 @@ pub(crate) fn near_solids<const D: usize>(mask: &Mask<D>, faces: &[Lattice<D>; D
         });
     }
     near
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wall::FlowWall;
+    use cf_grid::{Axis, Layout, Sides};
+
+    #[test]
+    fn only_values_close_to_walls_are_held_back() {
+        let layout = Layout::new([100, 20]).unwrap();
+        let mut sides = Sides::all(FlowWall::Closed);
+        let free = |sides: &Sides<FlowWall<2>, 2>, cell, len| {
+            away_from_walls(&Lattice::cells(&layout, sides, |_, _| 0.0), cell, len)
+        };
+        assert_eq!((free(&sides, [0, 10], 64), free(&sides, [64, 10], 36)), (3..64, 0..33));
+        assert_eq!((free(&sides, [0, 3], 64), free(&sides, [0, 16], 64)), (3..64, 3..64));
+        assert!(free(&sides, [10, 2], 64).is_empty() && free(&sides, [10, 17], 64).is_empty());
+        sides.0[0] = Axis::Periodic;
+        assert_eq!(free(&sides, [0, 10], 64), 0..64);
+    }
 }

@@ -100,6 +100,11 @@ impl<T: Real, const D: usize> Projection<T, D> {
         (self.rhs, self.step) = Default::default();
     }
 
+    /// Where scratch comes from.
+    pub(crate) fn pool(&self) -> &Pool<T> {
+        &self.pool
+    }
+
     /// Two scalar arrays, idle between projections.
     pub(crate) fn scratch(&mut self) -> [&mut CellField<T>; 2] {
         self.pool.fetch(self.grid.layout(), [&mut self.rhs, &mut self.step]);

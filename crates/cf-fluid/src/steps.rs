@@ -131,14 +131,16 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         self.carry.fill_solids(&mut self.next);
         self.carry.continue_faces(&mut self.before);
         self.carry.continue_faces(&mut self.next);
-        let ratio = dt / self.grid.h();
-        for c in 0..D {
-            let lattice = &self.carry.faces[c];
-            let [out, back] = self.projection.scratch();
-            let (by, from) = (&self.before, self.next.axis(c));
-            self.carry.carry_as(interpolation, [lattice], by, ratio, [from], [&mut out[..]], back);
-            std::mem::swap(&mut self.next.fields_mut()[c], out);
-        }
+        let (pool, layout, ratio) = (self.projection.pool().clone(), *self.grid.layout(), dt / self.grid.h());
+        // All components at once, so that each trajectory is traced once.
+        let mut carried: [CellField<T>; D] = std::array::from_fn(|_| CellField::default());
+        pool.fetch(&layout, &mut carried);
+        let [back, _] = self.projection.scratch();
+        let (lattices, from) = (self.carry.faces.each_ref(), self.next.axes());
+        let out = carried.each_mut().map(|out| &mut out[..]);
+        self.carry.carry_as(interpolation, lattices, &self.before, ratio, from, out, back);
+        self.next.fields_mut().swap_with_slice(&mut carried);
+        pool.release(&mut carried);
     }
 
     /// before := e, next := A(u - dt/2 G; e) - dt/2 G.

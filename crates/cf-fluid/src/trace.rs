@@ -2,7 +2,7 @@
 
 use cf_grid::{Real, vectorised};
 
-use crate::chunk::{Along, FEW, LANES, Lanes, linear, mean, range};
+use crate::chunk::{Along, FEW, LANES, Lanes, linear, mean, range, ranges};
 use crate::lattice::Lattice;
 use crate::point;
 
@@ -79,14 +79,14 @@ fn together<T: Real, const D: usize, const L: usize>(
         }
     }
     repeat_last(len, &mut middle);
-    inside(at, cell, len, &mut middle);
+    let mut bounds = ranges(&middle);
+    inside(at, cell, len, &mut middle, &mut bounds);
     // Seen from a value, faces of axis b are offset along b differently than all others.
     let mut both = [[Along::NONE; 2]; D];
     let mut usable = true;
     for b in 0..D {
-        let bounds = range(&middle[b]);
         for k in 0..2 {
-            usable &= both[b][k].set(&middle[b], bounds, T::of(at.half(b) - if k == 0 { 0.5 } else { 0.0 }));
+            usable &= both[b][k].set(&middle[b], bounds[b], T::of(at.half(b) - if k == 0 { 0.5 } else { 0.0 }));
         }
     }
     if !usable && L > FEW {
@@ -129,13 +129,14 @@ fn by_points<T: Real, const D: usize, const L: usize>(
     })
 }
 
-/// Keeps displaced points of `at` within the box along walled axes.
+/// Keeps displaced points of `at` within the box along walled axes; `bounds` are the ranges of `shift`, and stay so.
 #[inline(always)]
 pub(crate) fn inside<T: Real, const D: usize, const L: usize>(
     at: &Lattice<D>,
     cell: [i64; D],
     len: usize,
     shift: &mut [Lanes<T, L>; D],
+    bounds: &mut [[T; 2]; D],
 ) {
     for a in 0..D {
         if !at.walled(a) {
@@ -145,7 +146,7 @@ pub(crate) fn inside<T: Real, const D: usize, const L: usize>(
         let low = -(cell[a] as f64) - at.half(a);
         let high = at.layout.cells()[a] as f64 - at.half(a) - cell[a] as f64;
         let along = if a == 0 { (len - 1) as f64 } else { 0.0 };
-        let [least, most] = range(&shift[a]);
+        let [least, most] = bounds[a];
         if least.f64() >= low && most.f64() + along <= high {
             continue;
         }
@@ -155,6 +156,7 @@ pub(crate) fn inside<T: Real, const D: usize, const L: usize>(
         }
         let last = shift[a][len - 1];
         shift[a][len..].fill(last);
+        bounds[a] = range(&shift[a]);
     }
 }
 

@@ -74,19 +74,19 @@ pub fn numbers(asked: &TradeoffArgs, stop: &AtomicBool) -> Result<(), Failure> {
 
 /// A run in both precisions.
 fn compared(source: &Source, scene: &Scene, threads: usize, quick: bool) -> Result<(Vec<String>, Value), Failure> {
-    let refused = || Failure::usage(format!("{} cannot be run in both precisions", scene.run));
     let solve = |flags: &[String]| -> Result<(Ran, f64), Failure> {
-        let first = source.run(&scene.run, flags, threads)?.ok_or_else(refused)?;
+        let first = source.run(&scene.run, flags, threads)?;
         let mut times = Vec::new();
         while times.len() < if quick { 1 } else { RUNS } {
-            times.push(source.run(&scene.run, flags, threads)?.ok_or_else(refused)?.seconds);
+            times.push(source.run(&scene.run, flags, threads)?.seconds);
         }
         Ok((first, median(times.into_iter())))
     };
     let (double, double_seconds) = solve(&["accuracy.precision=f64".into()])?;
     let (single, single_seconds) = solve(&["accuracy.precision=f32".into()])?;
     let rounding = distance(&single.phi, &double.phi)[0];
-    let half = cells(scene, -1).map(|half| source.run(&scene.run, &["accuracy.precision=f64".into(), half], threads));
+    let half =
+        cells(scene, -1).map(|half| source.attempt(&scene.run, &["accuracy.precision=f64".into(), half], threads));
     let grid = half.transpose()?.flatten().map_or(f64::NAN, |coarse| {
         let mean = coarsened(&double.phi, &double.cells, &coarse.cells);
         mean.map_or(f64::NAN, |mean| distance(&coarse.phi, &mean)[0] / 3.0)

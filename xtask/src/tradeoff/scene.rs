@@ -92,12 +92,20 @@ impl Source {
         Ok(different)
     }
 
-    /// One run with overrides: `None` where the scene refuses them.
-    pub fn run(&self, run: &str, flags: &[String], threads: usize) -> Result<Option<Ran>, Failure> {
-        let Ok(mut experiment) = self.experiment(flags) else { return Ok(None) };
+    /// One run with overrides: `None` where the scene refuses them, or steps fail, which is no point of the front.
+    pub fn attempt(&self, run: &str, flags: &[String], threads: usize) -> Result<Option<Ran>, Failure> {
+        match self.run(run, flags, threads) {
+            Err(Failure::Scene(..) | Failure::Words(Exit::Numerical, _)) => Ok(None),
+            other => other.map(Some),
+        }
+    }
+
+    /// One run with overrides.
+    pub fn run(&self, run: &str, flags: &[String], threads: usize) -> Result<Ran, Failure> {
+        let mut experiment = self.experiment(flags).map_err(|problems| Failure::Scene(problems, None))?;
         experiment.claims.clear();
         experiment.runs.retain(|scene| scene.run == run);
-        let Some(scene) = experiment.runs.first_mut() else { return Ok(None) };
+        let scene = experiment.runs.first_mut().ok_or_else(|| Failure::usage(format!("{run}: no such run")))?;
         let output = &mut scene.output;
         (output.vtk, output.table, output.pictures, output.fields) = (true, false, Pictures::Off, vec![Field::Phi]);
         (scene.schedule.frames, scene.schedule.interval) = (1, scene.schedule.until);
@@ -105,11 +113,7 @@ impl Source {
         let folder = tempfile::tempdir().map_err(|e| Failure::io(format!("no temporary folder: {e}")))?;
         let options = cf_scene::Options { threads, ..cf_scene::Options::new(&self.name, folder.path()) };
         let watch = &mut progress::Silent;
-        let summary = match crate::perform::perform(&experiment, &options, watch) {
-            // Steps that are not possible are no point of the front.
-            Err(Failure::Words(Exit::Numerical, _)) => return Ok(None),
-            other => other?,
-        };
+        let summary = crate::perform::perform(&experiment, &options, watch)?;
         let mut image = read_image(&folder.path().join(format!("{run}_0001.vti")))?;
         let done = &summary.runs[0];
         let scheme = match done.integrator.as_str() {
@@ -136,14 +140,14 @@ impl Source {
             ..Setting::new(scheme, done.steps as usize, threads)
         };
         let phases = &done.seconds.phases;
-        Ok(Some(Ran {
+        Ok(Ran {
             phi: image.arrays.swap_remove(0).values,
             cells: done.cells.clone(),
             setting,
             courant: done.regime.speed.unwrap_or(0.0) * done.dt[1] / done.spacing,
             seconds: phases.iter().filter(|(name, _)| *name != "output").map(|(_, s)| s).sum(),
             drift: done.mass.drift,
-        }))
+        })
     }
 }
 
@@ -250,7 +254,8 @@ impl Reference {
             if scene.numerics.integrator == Some(cf_scene::spec::Integrator::PaperBe) {
                 flags.push("accuracy.integrator=None".into());
             }
-            solved.push(source.run(&scene.run, &flags, threads)?.ok_or_else(refuse)?);
+            let ran = source.run(&scene.run, &flags, threads);
+            solved.push(ran.inspect_err(|_| complain!("{}: no reference with {}", scene.run, flags.join(" ")))?);
         }
         let apart = |coarse: &Ran, fine: &Ran| {
             coarsened(&fine.phi, &fine.cells, &coarse.cells).map_or(f64::NAN, |mean| distance(&coarse.phi, &mean)[0])
@@ -324,10 +329,10 @@ pub fn scene(Runs { source, runs }: &Runs, asked: &TradeoffArgs, stop: &AtomicBo
                 return Err(Failure::Words(Exit::Interrupted, "stopped before all was measured".into()));
             }
             let threads = if alone { 1 } else { threads };
-            let Some(first) = source.run(&scene.run, &flags, threads)? else { continue };
+            let Some(first) = source.attempt(&scene.run, &flags, threads)? else { continue };
             let mut times = Vec::new();
             while times.len() < if asked.quick { 1 } else { RUNS } {
-                times.extend(source.run(&scene.run, &flags, threads)?.map(|ran| ran.seconds));
+                times.push(source.run(&scene.run, &flags, threads)?.seconds);
             }
             let [error, one, worst] = reference.errors(&first);
             rows.push(Measured {

@@ -9,7 +9,8 @@
 //! | 5 | the other half | projection |
 //! | 6 | u to the end of the step | |
 //!
-//! Buoyancy acts with phi of the start and of the end of the step, half each.
+//! Buoyancy acts with phi of the start and of the end of the step, half each: that of the start is carried along with u (trapezoidal rule
+//! along trajectories), so that the step is of second order with it too.
 
 use cf_diffusion::{Diffusion, Observer, Source, State, StepReport};
 use cf_grid::{CellField, Pool, Real};

@@ -1,7 +1,7 @@
 //! The flow: velocity, pressure and the two halves of a step.
 
 use cf_diffusion::Medium;
-use cf_grid::{CellField, FaceField, Grid, Layout, Mask, Pool, Real, Sides, once};
+use cf_grid::{CellField, FaceField, Grid, Mask, Pool, Real, Sides, once};
 
 use crate::calculus::max_speed;
 use crate::carry::Carry;
@@ -18,8 +18,9 @@ use crate::wall::FlowWall;
 /// A step has two halves, between which a quantity can be carried by the velocity of the middle of the step:
 /// [`begin`](Self::begin) gives that velocity, [`finish`](Self::finish) ends the step; [`step`](Self::step) is both.
 ///
-/// Memory: three velocities, one to three scalars for pressures, the levels of the solver, and five scalars of scratch, in which
-/// transport and solves take turns and which can be [shared](Self::share).
+/// Memory between steps: two velocities ([`Scheme::Draft`]: one), one to three scalars for pressures, and the levels of the solver. Within
+/// a step there are two velocities at a time, three with buoyancy; they, transport and solves take turns with the arrays of a pool, five
+/// besides these velocities, which can be [shared](Self::share).
 pub struct Fluid<T, const D: usize> {
     pub(crate) grid: Grid<D>,
     pub(crate) settings: FlowSettings<D>,
@@ -27,13 +28,13 @@ pub struct Fluid<T, const D: usize> {
     pub(crate) projection: Projection<T, D>,
     /// u^n.
     pub(crate) u: FaceField<T, D>,
-    /// u^(n-1) between steps; the advecting velocity within one.
+    /// u^(n-1) between steps; the advecting velocity within one; empty where there is none.
     pub(crate) before: FaceField<T, D>,
-    /// What becomes u^(n+1).
+    /// What becomes u^(n+1); empty where there is none.
     pub(crate) next: FaceField<T, D>,
     /// p/(rho h) \[m/s²\]: the gradient that [`Scheme::Cnp`] carries.
     pub(crate) pressure: Option<CellField<T>>,
-    /// s of the last step's projections \[m/s\], guesses for the next; the second one is empty for schemes that project once.
+    /// s of the last step's projections \[m/s\], guesses for the next; empty for schemes that keep none.
     pub(crate) potential: [CellField<T>; 2],
     /// Stages of [`Scheme::CentralRk4`].
     pub(crate) stages: Option<[FaceField<T, D>; 2]>,
@@ -44,9 +45,8 @@ pub struct Fluid<T, const D: usize> {
     /// Scratch of a fluid on its own; no pool where it [shares](Self::share) another.
     pub(crate) own: Pool<T>,
     /// The velocity lent to the transport, and whose place it left empty.
-    medium: Medium<T, D>,
+    pub(crate) medium: Medium<T, D>,
     lent: Lent,
-    empty: Option<FaceField<T, D>>,
 }
 
 /// What earlier steps left.
@@ -97,17 +97,17 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         projection.share(&own);
         let faces = || FaceField::new(layout);
         let scalar = || CellField::new(layout);
-        let empty = FaceField::new(&Layout::new([1; D]).map_err(|_| FlowError::Order("a grid without dimensions"))?);
+        let kept = settings.scheme.potentials();
         Ok(Self {
             grid: *grid,
             settings,
             carry: Carry::new(layout, sides, mask),
             projection,
             u: faces(),
-            before: faces(),
-            next: faces(),
+            before: if settings.scheme.keeps_before() { faces() } else { FaceField::default() },
+            next: FaceField::default(),
             pressure: settings.scheme.keeps_pressure().then(scalar),
-            potential: [scalar(), if settings.scheme.projects_twice() { scalar() } else { CellField::default() }],
+            potential: std::array::from_fn(|which| if which < kept { scalar() } else { CellField::default() }),
             stages: (settings.scheme == Scheme::CentralRk4).then(|| [faces(), faces()]),
             emitters: Vec::new(),
             time: 0.0,
@@ -116,7 +116,6 @@ impl<T: Real, const D: usize> Fluid<T, D> {
             own,
             medium: Medium::Still,
             lent: Lent::Nothing,
-            empty: Some(empty),
         })
     }
 
@@ -151,14 +150,19 @@ impl<T: Real, const D: usize> Fluid<T, D> {
             }
             self.u.axis_mut(a).copy_from_slice(u.axis(a));
         }
-        self.potential[0].fill(T::ZERO);
+        // What was before is nothing now, and its arrays serve the solve.
+        self.drop_before();
         // A velocity moved over a cell is to be as free of divergence as a step would leave it.
         let speed = max_speed(self.grid.layout(), self.projection.sides(), &self.u);
         let dt = if speed > 0.0 { self.grid.h() / speed } else { 0.0 };
         let mut report = FlowReport::default();
-        report.count(self.projection.project(&mut self.u, &mut self.potential[0], dt, self.settings.eta_div)?);
+        let mut potential = CellField::default();
+        self.projection.pool().fetch(self.grid.layout(), [&mut potential]);
+        let done = self.projection.project(&mut self.u, &mut potential, dt, self.settings.eta_div);
+        self.projection.pool().release([&mut potential]);
         self.projection.release();
-        self.history = History::default();
+        self.forget();
+        report.count(done?);
         Ok(report)
     }
 
@@ -252,7 +256,7 @@ impl<T: Real, const D: usize> Fluid<T, D> {
             Ok(lent) => self.lend(lent),
             Err(error) => {
                 self.stage = None;
-                self.history = History::default();
+                self.forget();
                 return Err(error);
             }
         }
@@ -283,12 +287,16 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         let done = self.second_half(report.scheme, stage.dt, phi, &mut report, observer);
         self.projection.release();
         if let Err(error) = done {
-            self.history = History::default();
+            self.forget();
             return Err(error);
         }
         // u^n becomes u^(n-1), the new velocity u^n.
         std::mem::swap(&mut self.u, &mut self.next);
         std::mem::swap(&mut self.before, &mut self.next);
+        self.drop_next();
+        if !self.settings.scheme.keeps_before() {
+            self.drop_before();
+        }
         self.history.last = Some((stage.dt, report.scheme));
         self.time += stage.dt;
         Ok(report)
@@ -299,8 +307,35 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         self.give_back();
         if self.stage.take().is_some_and(|stage| stage.dt > 0.0) {
             // What the advecting velocity was made of is gone.
-            self.history = History::default();
+            self.forget();
         }
+    }
+
+    /// Nothing is known of earlier steps.
+    fn forget(&mut self) {
+        self.history = History::default();
+        self.drop_next();
+        if self.settings.scheme.keeps_before() {
+            self.fetch_before();
+        } else {
+            self.drop_before();
+        }
+    }
+
+    pub(crate) fn fetch_next(&mut self) {
+        self.projection.pool().fetch(self.grid.layout(), self.next.fields_mut());
+    }
+
+    pub(crate) fn fetch_before(&mut self) {
+        self.projection.pool().fetch(self.grid.layout(), self.before.fields_mut());
+    }
+
+    pub(crate) fn drop_next(&mut self) {
+        self.projection.pool().release(self.next.fields_mut());
+    }
+
+    pub(crate) fn drop_before(&mut self) {
+        self.projection.pool().release(self.before.fields_mut());
     }
 
     fn check_phi(&self, phi: Option<&CellField<T>>) -> Result<(), FlowError> {
@@ -312,11 +347,10 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         }
     }
 
-    /// Moves a velocity into the medium; a dummy keeps its place.
+    /// Moves a velocity into the medium; its place is empty meanwhile.
     fn lend(&mut self, lent: Lent) {
-        let Some(dummy) = self.empty.take() else { return };
         if let Some(field) = self.lendable(lent) {
-            self.medium = Medium::Field(std::mem::replace(field, dummy));
+            self.medium = Medium::Field(std::mem::take(field));
             self.lent = lent;
         }
     }
@@ -325,7 +359,7 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         if let Medium::Field(u) = std::mem::replace(&mut self.medium, Medium::Still)
             && let Some(field) = self.lendable(self.lent)
         {
-            self.empty = Some(std::mem::replace(field, u));
+            *field = u;
         }
         self.lent = Lent::Nothing;
     }
@@ -386,6 +420,20 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         done
     }
 
+    /// next := P next, with pressure += s/dt.
+    pub(crate) fn project_increment(
+        &mut self,
+        dt: f64,
+        observer: &mut dyn FlowObserver,
+    ) -> Result<crate::Projected, FlowError> {
+        let Some(pressure) = &mut self.pressure else { return Err(FlowError::Order("a pressure that is not kept")) };
+        observer.begin(FlowPhase::Projection);
+        let done = self.projection.project_onto(&mut self.next, pressure, 1.0 / dt, dt, self.settings.eta_div);
+        self.history.pressure |= done.is_ok();
+        observer.end(FlowPhase::Projection);
+        done
+    }
+
     /// before := a u + b before.
     pub(crate) fn mix_before(&mut self, a: f64, b: f64) {
         combine(self.grid.layout(), self.projection.sides(), a, &self.u, b, &mut self.before);
@@ -393,6 +441,7 @@ impl<T: Real, const D: usize> Fluid<T, D> {
 
     /// next := u.
     pub(crate) fn copy_next(&mut self) {
+        self.fetch_next();
         combine(self.grid.layout(), self.projection.sides(), 1.0, &self.u, 0.0, &mut self.next);
     }
 }

@@ -1,6 +1,7 @@
 //! What can be asked of a flow between steps.
 
-use cf_grid::{CellField, Grid, Mask, Max, Real, Sides};
+use cf_diffusion::Medium;
+use cf_grid::{CellField, FaceField, Grid, Mask, Max, Real, Sides};
 
 use crate::calculus::{kinetic_energy, max_speed, net_outflow};
 use crate::fluid::Fluid;
@@ -99,10 +100,10 @@ impl<T: Real, const D: usize> Fluid<T, D> {
 
     /// Bytes of all storage.
     pub fn bytes(&self) -> usize {
-        // The lent field left a dummy; all have one size.
-        let face = D * self.grid.layout().slots() * size_of::<T>();
+        let lent = if let Medium::Field(u) = &self.medium { u.bytes() } else { 0 };
+        let velocities = [&self.u, &self.before, &self.next].into_iter().chain(self.stages.iter().flatten());
         let held: usize = self.emitters.iter().map(|(_, faces)| std::mem::size_of_val(&faces[..])).sum();
-        (3 + 2 * usize::from(self.stages.is_some())) * face
+        lent + velocities.map(FaceField::bytes).sum::<usize>()
             + self.pressure.as_ref().map_or(0, CellField::bytes)
             + self.potential.iter().map(CellField::bytes).sum::<usize>()
             + self.carry.bytes()

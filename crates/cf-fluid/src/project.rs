@@ -157,20 +157,52 @@ impl<T: Real, const D: usize> Projection<T, D> {
         dt: f64,
         eta: f64,
     ) -> Result<Projected, FlowError> {
-        let layout = *self.grid.layout();
+        self.check(u, potential, dt, eta)?;
+        self.gates.impose(u);
+        subtract_gradient(self.grid.layout(), &self.gates, 1.0, potential, u);
+        self.remove(u, potential, 1.0, dt, eta)
+    }
+
+    /// [`project`](Self::project) from no guess; `sum` gets factor · s on top of what it holds.
+    pub(crate) fn project_onto(
+        &mut self,
+        u: &mut FaceField<T, D>,
+        sum: &mut CellField<T>,
+        factor: f64,
+        dt: f64,
+        eta: f64,
+    ) -> Result<Projected, FlowError> {
+        self.check(u, sum, dt, eta)?;
+        self.gates.impose(u);
+        self.remove(u, sum, factor, dt, eta)
+    }
+
+    fn check(&self, u: &FaceField<T, D>, potential: &CellField<T>, dt: f64, eta: f64) -> Result<(), FlowError> {
         if !(dt.is_finite() && dt >= 0.0) {
             return Err(FlowError::TimeStep(dt));
         }
         if !(eta > 0.0 && eta.is_finite()) {
             return Err(FlowError::Setting { name: "eta_div", found: eta, expected: "a finite number above 0" });
         }
-        let lengths = u.axes().map(<[T]>::len).into_iter().chain([potential.len()]);
-        if let Some(found) = lengths.into_iter().find(|&n| n != layout.slots()) {
-            return Err(FlowError::Layout { what: "a projected field", expected: layout.slots(), found });
+        let (lengths, expected) = (u.axes().map(<[T]>::len), self.grid.layout().slots());
+        match lengths.into_iter().chain([potential.len()]).find(|&n| n != expected) {
+            Some(found) => Err(FlowError::Layout { what: "a projected field", expected, found }),
+            None => Ok(()),
         }
+    }
+
+    /// Removes the divergence that is left in u; sum += factor · s.
+    fn remove(
+        &mut self,
+        u: &mut FaceField<T, D>,
+        sum: &mut CellField<T>,
+        factor: f64,
+        dt: f64,
+        eta: f64,
+    ) -> Result<Projected, FlowError> {
+        let layout = *self.grid.layout();
+        let scale = T::of(factor);
         self.scratch();
-        self.gates.impose(u);
-        subtract_gradient(&layout, &self.gates, 1.0, potential, u);
         let fluid = self.mask.as_ref().map(Mask::fluid);
         let (h, mut done) = (self.grid.h(), Projected::default());
         // In the units of Σ (u_R - u_L). Without a step nothing is moved by what remains: the rounding floor decides.
@@ -203,13 +235,13 @@ impl<T: Real, const D: usize> Projection<T, D> {
             }
             subtract_gradient(&layout, &self.gates, 1.0, &self.step, u);
             let step = &self.step;
-            layout.par_runs(layout.cells_region(), &mut potential[..], |run, s: &mut [T]| {
+            layout.par_runs(layout.cells_region(), &mut sum[..], |run, s: &mut [T]| {
                 for (s, &step) in s.iter_mut().zip(run.row(step)) {
-                    *s += step;
+                    *s += scale * step;
                 }
             });
             for a in (0..D).filter(|&a| self.gates.sides().is_periodic(a)) {
-                layout.wrap_rim(a, potential);
+                layout.wrap_rim(a, sum);
             }
         }
         Ok(done)

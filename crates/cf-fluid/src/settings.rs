@@ -28,9 +28,19 @@ impl Scheme {
         matches!(self, Self::Auto | Self::Cnp)
     }
 
-    /// Whether a step may project with two potentials.
-    pub fn projects_twice(self) -> bool {
-        matches!(self, Self::Auto | Self::ReflectionExtrapolated)
+    /// Whether the velocity before the last is needed for the next.
+    pub fn keeps_before(self) -> bool {
+        self != Self::Draft
+    }
+
+    /// How many potentials are kept as guesses for the next step. The pressure that [`Self::Cnp`] carries is its guess: what is
+    /// left to find is the increment.
+    pub fn potentials(self) -> usize {
+        match self {
+            Self::Cnp => 0,
+            Self::Draft | Self::CentralRk4 => 1,
+            Self::Auto | Self::ReflectionExtrapolated => 2,
+        }
     }
 }
 
@@ -56,7 +66,7 @@ pub struct FlowSettings<const D: usize> {
     pub eta_div: f64,
     /// Precision of the V-cycles.
     pub precision: Precision,
-    /// Whether pressure solves start from the solution of the step before.
+    /// Whether pressure solves start from the solution of the step before; those of [`Scheme::Cnp`] always start from the pressure.
     pub warm_start: bool,
     /// Body force \[m/s²\].
     pub force: [f64; D],

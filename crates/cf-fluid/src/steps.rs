@@ -1,6 +1,6 @@
 //! The schemes, in the two halves of a step.
 
-use cf_grid::{CellField, Real};
+use cf_grid::{CellField, FaceField, Real};
 
 use crate::carry::Interpolation;
 use crate::central::momentum;
@@ -23,8 +23,8 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         match scheme {
             Scheme::Cnp | Scheme::Auto => {
                 self.start_pressure(dt, phi, observer)?;
-                self.cnp_predictor(dt);
-                self.push(0.5 * dt, phi);
+                self.extrapolate(0.5 * dt);
+                self.lift(dt, phi);
                 self.projection.impose(&mut self.before);
                 observer.end(FlowPhase::Advection);
                 Ok(Lent::Before)
@@ -34,7 +34,7 @@ impl<T: Real, const D: usize> Fluid<T, D> {
                 self.extrapolate(0.25 * dt);
                 self.copy_next();
                 self.push(0.5 * dt, phi);
-                self.advect(0.5 * dt, Interpolation::Cubic);
+                self.advect_next(0.5 * dt);
                 self.set_jets(dt);
                 observer.end(FlowPhase::Advection);
                 let guess = self.ratio(scheme, dt);
@@ -43,13 +43,10 @@ impl<T: Real, const D: usize> Fluid<T, D> {
                 Ok(Lent::Next)
             }
             Scheme::Draft => {
-                self.mix_before(1.0, 0.0);
-                self.copy_next();
-                self.advect(dt, Interpolation::MacCormack);
-                self.push(0.5 * dt, phi);
-                self.projection.impose(&mut self.before);
+                self.lift(dt, phi);
+                self.projection.impose(&mut self.u);
                 observer.end(FlowPhase::Advection);
-                Ok(Lent::Before)
+                Ok(Lent::Now)
             }
             Scheme::CentralRk4 => {
                 self.extrapolate(0.5 * dt);
@@ -71,31 +68,35 @@ impl<T: Real, const D: usize> Fluid<T, D> {
     ) -> Result<(), FlowError> {
         match scheme {
             Scheme::Cnp | Scheme::Auto => {
-                self.push(0.5 * dt, phi);
+                observer.begin(FlowPhase::Advection);
+                self.cnp_carry(dt);
+                self.push(self.rest(dt), phi);
                 self.set_jets(dt);
-                // The increment of the pressure is of second order in the step.
-                let guess = self.ratio(scheme, dt).powi(2);
-                report.count(self.project(0, guess, dt, observer)?);
-                self.keep_pressure(1.0, &[(0, 1.0 / dt)]);
+                observer.end(FlowPhase::Advection);
+                report.count(self.project_increment(dt, observer)?);
             }
             Scheme::ReflectionExtrapolated => {
                 observer.begin(FlowPhase::Advection);
+                self.fetch_before();
                 // To the middle of the second half step: 1.5 u_m - .5 u^n.
                 combine(self.grid.layout(), self.projection.sides(), 1.5, &self.next, 0.0, &mut self.before);
                 self.mix_before(-0.5, 1.0);
                 // 2 u_m - u~ = u_m - grad s.
                 self.projection.subtract_gradient(1.0, &self.potential[0], &mut self.next);
+                self.advect_next(0.5 * dt);
                 self.push(0.5 * dt, phi);
-                self.advect(0.5 * dt, Interpolation::Cubic);
                 self.set_jets(dt);
                 observer.end(FlowPhase::Advection);
                 let guess = self.ratio(scheme, dt).powi(2);
                 report.count(self.project(1, guess, dt, observer)?);
-                self.keep_pressure(0.0, &[(0, 2.0 / dt), (1, 1.0 / dt)]);
+                self.keep_pressure(&[(0, 2.0 / dt), (1, 1.0 / dt)]);
             }
             Scheme::Draft => {
-                self.push(0.5 * dt, phi);
+                observer.begin(FlowPhase::Advection);
+                self.draft_carry(dt);
+                self.push(self.rest(dt), phi);
                 self.set_jets(dt);
+                observer.end(FlowPhase::Advection);
                 let guess = self.ratio(scheme, dt);
                 report.count(self.project(0, guess, dt, observer)?);
             }
@@ -124,40 +125,93 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         self.mix_before(1.0 + share, -share);
     }
 
-    /// next carried by before.
-    fn advect(&mut self, dt: f64, default: Interpolation) {
-        let interpolation = self.settings.interpolation.unwrap_or(default);
-        self.carry.fill_solids(&mut self.before);
-        self.carry.fill_solids(&mut self.next);
-        self.carry.continue_faces(&mut self.before);
-        self.carry.continue_faces(&mut self.next);
+    /// Where phi pushes: next := u + dt/2 b, while phi is that of the start. It is carried along like u.
+    fn lift(&mut self, dt: f64, phi: Option<&CellField<T>>) {
+        if self.settings.buoyancy.is_some() {
+            self.copy_next();
+            self.push(0.5 * dt, phi);
+        }
+    }
+
+    /// The part of the step for which forces have not pushed yet, after [`lift`](Self::lift).
+    fn rest(&self, dt: f64) -> f64 {
+        if self.settings.buoyancy.is_some() { 0.5 * dt } else { dt }
+    }
+
+    /// Prepares a velocity to carry and to be carried: continues it into solids and beyond walls. The faces of the flow are
+    /// those of [`impose`](crate::Projection::impose) again afterwards.
+    fn prepare(&self, u: &mut FaceField<T, D>) {
+        self.carry.fill_solids(u);
+        self.carry.continue_faces(u);
+    }
+
+    /// next := `from` carried by `by`, both prepared; all components at once, so that each trajectory is traced once.
+    fn advect(&mut self, by: &FaceField<T, D>, from: &FaceField<T, D>, dt: f64, default: Interpolation) {
+        let how = self.settings.interpolation.unwrap_or(default);
         let (pool, layout, ratio) = (self.projection.pool().clone(), *self.grid.layout(), dt / self.grid.h());
-        // All components at once, so that each trajectory is traced once.
-        let mut carried: [CellField<T>; D] = std::array::from_fn(|_| CellField::default());
-        pool.fetch(&layout, &mut carried);
-        let [back, _] = self.projection.scratch();
-        let (lattices, from) = (self.carry.faces.each_ref(), self.next.axes());
-        let out = carried.each_mut().map(|out| &mut out[..]);
-        self.carry.carry_as(interpolation, lattices, &self.before, ratio, from, out, back);
-        self.next.fields_mut().swap_with_slice(&mut carried);
-        pool.release(&mut carried);
+        let mut back = CellField::default();
+        if how == Interpolation::MacCormack {
+            pool.fetch(&layout, [&mut back]);
+        }
+        self.fetch_next();
+        let lattices = self.carry.faces.each_ref();
+        self.carry.carry_as(how, lattices, by, ratio, from.axes(), self.next.axes_mut(), &mut back);
+        pool.release([&mut back]);
     }
 
-    /// before := e, next := A(u - dt/2 G; e) - dt/2 G.
-    fn cnp_predictor(&mut self, dt: f64) {
-        self.extrapolate(0.5 * dt);
-        self.cnp_carry(dt);
+    /// next := next carried by before, which is spent.
+    fn advect_next(&mut self, dt: f64) {
+        let [mut by, mut from] = [std::mem::take(&mut self.before), std::mem::take(&mut self.next)];
+        self.prepare(&mut by);
+        self.prepare(&mut from);
+        self.advect(&by, &from, dt, Interpolation::Cubic);
+        let pool = self.projection.pool();
+        pool.release(by.fields_mut().iter_mut().chain(from.fields_mut()));
     }
 
+    /// next := A(u' - dt/2 G; e) - dt/2 G with e = before, which is spent, and u' = next if there is one, else u.
     fn cnp_carry(&mut self, dt: f64) {
-        self.copy_next();
-        if let Some(pressure) = &self.pressure {
-            self.projection.subtract_gradient(0.5 * dt, pressure, &mut self.next);
+        let lifted = !self.next.axis(0).is_empty();
+        let mut by = std::mem::take(&mut self.before);
+        let mut from = std::mem::take(if lifted { &mut self.next } else { &mut self.u });
+        self.add_gradient(-0.5 * dt, &mut from);
+        self.prepare(&mut by);
+        self.prepare(&mut from);
+        self.advect(&by, &from, dt, Interpolation::Cubic);
+        self.projection.pool().release(by.fields_mut());
+        if lifted {
+            self.projection.pool().release(from.fields_mut());
+        } else {
+            // u^n was changed in place, to save a velocity; it comes back up to rounding.
+            self.add_gradient(0.5 * dt, &mut from);
+            self.projection.impose(&mut from);
+            self.u = from;
         }
-        self.advect(dt, Interpolation::Cubic);
+        let mut next = std::mem::take(&mut self.next);
+        self.add_gradient(-0.5 * dt, &mut next);
+        self.next = next;
+    }
+
+    /// u += factor G.
+    fn add_gradient(&self, factor: f64, u: &mut FaceField<T, D>) {
         if let Some(pressure) = &self.pressure {
-            self.projection.subtract_gradient(0.5 * dt, pressure, &mut self.next);
+            self.projection.subtract_gradient(-factor, pressure, u);
         }
+    }
+
+    /// next := A(u'; u) with u' = next if there is one, else u.
+    fn draft_carry(&mut self, dt: f64) {
+        let (mut by, mut from) = (std::mem::take(&mut self.u), std::mem::take(&mut self.next));
+        self.prepare(&mut by);
+        if from.axis(0).is_empty() {
+            self.advect(&by, &by, dt, Interpolation::MacCormack);
+        } else {
+            self.prepare(&mut from);
+            self.advect(&by, &from, dt, Interpolation::MacCormack);
+            self.projection.pool().release(from.fields_mut());
+        }
+        self.projection.impose(&mut by);
+        self.u = by;
     }
 
     /// The first step is made twice: once without pressure, to get it and the velocity at the end.
@@ -173,27 +227,31 @@ impl<T: Real, const D: usize> Fluid<T, D> {
         if let Some(pressure) = &mut self.pressure {
             pressure.fill(T::ZERO);
         }
-        self.cnp_predictor(dt);
-        self.push(dt, phi);
+        self.extrapolate(0.5 * dt);
+        self.lift(dt, phi);
+        self.cnp_carry(dt);
+        self.push(self.rest(dt), phi);
         self.set_jets(dt);
-        let done = self.project(0, 0.0, dt, observer)?;
+        let done = self.project_increment(dt, observer)?;
         self.count(done);
-        self.keep_pressure(0.0, &[(0, 1.0 / dt)]);
+        self.fetch_before();
         if self.history.last.is_none() {
             // before := 2 u - next, so that the extrapolation to the middle is the mean of both ends.
             combine(self.grid.layout(), self.projection.sides(), -1.0, &self.next, 0.0, &mut self.before);
             self.mix_before(2.0, 1.0);
             self.history.last = Some((dt, Scheme::Auto));
+        } else {
+            // What was before is spent: this step extrapolates from u alone.
+            self.mix_before(1.0, 0.0);
         }
+        self.drop_next();
         Ok(())
     }
 
-    /// pressure := keep pressure + Σ factor s.
-    fn keep_pressure(&mut self, keep: f64, parts: &[(usize, f64)]) {
+    /// pressure := Σ factor s.
+    fn keep_pressure(&mut self, parts: &[(usize, f64)]) {
         let Some(pressure) = &mut self.pressure else { return };
-        if keep == 0.0 {
-            pressure.fill(T::ZERO);
-        }
+        pressure.fill(T::ZERO);
         for &(which, factor) in parts {
             add(factor, &self.potential[which], pressure);
         }

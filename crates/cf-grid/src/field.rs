@@ -45,6 +45,12 @@ impl<T> DerefMut for CellField<T> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct FaceField<T, const D: usize>([CellField<T>; D]);
 
+impl<T, const D: usize> Default for FaceField<T, D> {
+    fn default() -> Self {
+        Self(std::array::from_fn(|_| CellField::default()))
+    }
+}
+
 impl<T: Real, const D: usize> FaceField<T, D> {
     /// Zeros on a layout.
     pub fn new(layout: &Layout<D>) -> Self {

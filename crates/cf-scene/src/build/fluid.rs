@@ -123,8 +123,11 @@ impl<T: Number, const D: usize> Carried<T, D> {
 
 /// The names of the parts of a fluid's state, in their order.
 fn names<T: Number, const D: usize>(fluid: &Fluid<T, D>) -> Vec<&'static str> {
-    let pressure = fluid.settings().scheme.keeps_pressure().then_some(PRESSURE);
-    VELOCITY.into_iter().take(D).chain(BEFORE.into_iter().take(D)).chain(pressure).chain(POTENTIALS).collect()
+    let scheme = fluid.settings().scheme;
+    let before = BEFORE.into_iter().take(if scheme.keeps_before() { D } else { 0 });
+    let pressure = scheme.keeps_pressure().then_some(PRESSURE);
+    let potentials = POTENTIALS.into_iter().take(scheme.potentials());
+    VELOCITY.into_iter().take(D).chain(before).chain(pressure).chain(potentials).collect()
 }
 
 fn array<const D: usize>(axes: &spec::Axes<f64>) -> Result<[f64; D], BuildError> {

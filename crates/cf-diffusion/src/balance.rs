@@ -37,7 +37,7 @@ impl Balance {
         if let (Some(rate), 2..) = (source.rate, self.due.len()) {
             let rest = self.due[0];
             let before: f64 = self.due[1..].iter().sum();
-            self.add(walls, rate, source.share * dt);
+            self.add_parts(walls, |slot| rate.at(slot), source.share * dt);
             // The report counts all of the source: the rest does not get what sealed parts get.
             self.due[0] = rest - (self.due[1..].iter().sum::<f64>() - before);
         }
@@ -80,7 +80,13 @@ impl Balance {
             return;
         }
         self.due.resize(1 + parts.sealed.len(), 0.0);
-        for (part, sum) in part_sums(walls, parts, |slot| x[slot].f64()).into_iter().enumerate() {
+        self.add_parts(walls, |slot| x[slot], weight);
+    }
+
+    /// The same where there are pots of sealed parts.
+    fn add_parts<T: Real, const D: usize>(&mut self, walls: &Walls<T, D>, x: impl Fn(usize) -> T + Sync, weight: f64) {
+        let parts = walls.parts();
+        for (part, sum) in part_sums(walls, parts, |slot| x(slot).f64()).into_iter().enumerate() {
             self.due[if parts.sealed[part] { 1 + part } else { 0 }] += weight * sum;
         }
     }

@@ -117,8 +117,9 @@ fn drift<T: Real, const D: usize>(
                     }
                     if let Some(rate) = source.rate {
                         let emitted = T::of(dt * source.share);
-                        for (i, (phi, &w)) in phi.iter_mut().zip(piece.row(rate)).enumerate() {
-                            if fluid.is_none_or(|f| f[piece.slot() + i]) {
+                        let (skipped, rate) = rate.within(piece.slot(), phi.len());
+                        for (i, (phi, &w)) in phi[skipped..].iter_mut().zip(rate).enumerate() {
+                            if fluid.is_none_or(|f| f[piece.slot() + skipped + i]) {
                                 *phi += emitted * w;
                             }
                         }

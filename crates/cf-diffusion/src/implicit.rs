@@ -194,7 +194,8 @@ impl<T: Real, const D: usize> Implicit<T, D> {
                         }
                         if let Some(rate) = source.rate {
                             let emitted = T::of(emitted);
-                            for (rhs, &w) in rhs.iter_mut().zip(piece.row(rate)) {
+                            let (skipped, rate) = rate.within(piece.slot(), rhs.len());
+                            for (rhs, &w) in rhs[skipped..].iter_mut().zip(rate) {
                                 *rhs += emitted * w;
                             }
                         }
@@ -300,9 +301,10 @@ pub(crate) fn set_wall_flux<T: Real>(q: &mut [T], w: WallCell, above: f64, keep:
 /// Which input made the right-hand side something else than a number.
 fn culprit<T: Real, const D: usize>(walls: &Walls<T, D>, state: &State<T, D>, source: Source<'_, T>) -> StepError {
     let slow = state.slow_flux.iter().flat_map(|q| q.axes()).map(|q| ("the slow flux", q));
-    let rate = source.rate.iter().map(|&rate| ("the source", rate));
-    let fields = std::iter::once(("phi", &state.phi[..])).chain(rate).chain(slow);
-    let found = fields.filter_map(|(field, x)| walls.first_bad(x).map(|cell| (field, cell.to_vec()))).next();
+    let first = |field, bad: &dyn Fn(usize) -> bool| walls.first(bad).map(|cell| (field, cell.to_vec()));
+    let found = first("phi", &|slot| !state.phi[slot].is_finite())
+        .or_else(|| source.rate.and_then(|rate| first("the source", &|slot| !rate.at(slot).is_finite())))
+        .or_else(|| slow.filter_map(|(field, q)| first(field, &|slot| !q[slot].is_finite())).next());
     let (field, cell) = found.unwrap_or(("the right-hand side of the diffusion step", Vec::new()));
     StepError::NotFinite { field, cell }
 }

@@ -68,7 +68,7 @@ pub use front::{Front, FrontError, FrontState};
 pub use law::Law;
 pub use medium::{Medium, MediumError};
 pub use regime::{CRITICAL_TOLERANCE, Regime, half_angle, hc};
-pub use source::Source;
+pub use source::{Rate, Source};
 pub use state::State;
 pub use step_error::StepError;
 pub use stepper::{Diffusion, Integrator, Observer, Phase, Settings, Splitting, StepReport};

@@ -10,7 +10,7 @@ use crate::explicit;
 use crate::implicit::{Implicit, Moved};
 use crate::law::Law;
 use crate::medium::Medium;
-use crate::source::Source;
+use crate::source::{Rate, Source};
 use crate::state::State;
 use crate::step_error::StepError;
 use crate::walls::Walls;
@@ -373,7 +373,7 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         }
         let expected = self.grid.layout().slots();
         let flux = state.slow_flux.iter().flat_map(|q| q.axes()).map(|q| ("the slow flux", q.len()));
-        let rate = source.rate.iter().map(|rate| ("the source", rate.len()));
+        let rate = source.rate.iter().map(|rate| ("the source", rate.reach(expected)));
         match flux.chain(rate).chain([("phi", state.phi.len())]).find(|&(_, found)| found != expected) {
             Some((what, found)) => Err(StepError::Layout { what, expected, found }),
             None => Ok(()),
@@ -417,8 +417,9 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
             &mut state.phi[..],
             #[inline(always)]
             |run, phi: &mut [T]| {
-                for (i, (phi, &w)) in phi.iter_mut().zip(run.row(rate)).enumerate() {
-                    if fluid.is_none_or(|f| f[run.slot() + i]) {
+                let (skipped, rate) = rate.within(run.slot(), phi.len());
+                for (i, (phi, &w)) in phi[skipped..].iter_mut().zip(rate).enumerate() {
+                    if fluid.is_none_or(|f| f[run.slot() + skipped + i]) {
                         *phi += amount * w;
                     }
                 }
@@ -428,16 +429,9 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
     }
 
     /// Mass a rate emits per second into fluid cells \[P m^D/s\].
-    fn emitted(&self, rate: &[T]) -> f64 {
-        let layout = self.grid.layout();
+    fn emitted(&self, rate: Rate<'_, T>) -> f64 {
         let fluid = self.walls.mask.as_ref().map(|m| m.fluid());
-        let sum = match fluid {
-            None => layout.sum(rate),
-            Some(fluid) => layout.par_runs(layout.cells_region(), (), |run, ()| {
-                run.row(rate).iter().zip(run.row(fluid)).map(|(w, &f)| if f { w.f64() } else { 0.0 }).sum::<f64>()
-            }),
-        };
-        sum * self.grid.cell_volume()
+        rate.sum(self.grid.layout(), |slot| fluid.is_none_or(|f| f[slot])) * self.grid.cell_volume()
     }
 
     fn diffuse_into(

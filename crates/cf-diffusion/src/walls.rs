@@ -215,7 +215,8 @@ impl<T: Real, const D: usize> Walls<T, D> {
     }
 
     /// The first fluid cell of which something is true.
-    fn first(&self, found: impl Fn(usize) -> bool) -> Option<[usize; D]> {
+    /// The first fluid cell whose slot is `found`.
+    pub fn first(&self, found: impl Fn(usize) -> bool) -> Option<[usize; D]> {
         let mut first = None;
         self.layout.each_cell(self.layout.cells_region(), |at| {
             let fluid = self.mask.as_ref().is_none_or(|m| m.fluid()[at.slot()]);

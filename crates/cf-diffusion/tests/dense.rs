@@ -18,7 +18,7 @@ const WALLS: [Wall; 6] = [
 fn compare<const D: usize>(case: &Case<D>, random: &mut Random) -> f64 {
     let start = case.random_state::<f64>(random, 1.0, case.flux_unit());
     let rate = case.random_state::<f64>(random, 1.0 / case.dt, 0.0).phi;
-    let source = Source { rate: Some(&rate[..]), share: 0.6 };
+    let source = Source::during(&rate[..], 0.6);
     let (expected, outflow) = dense_step(case, &start, source).unwrap();
     let mut state = start.clone();
     let report = case.stepper::<f64>().unwrap().step(&mut state, &Medium::Still, source, case.dt).unwrap();

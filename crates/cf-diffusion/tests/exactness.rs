@@ -3,7 +3,7 @@
 mod common;
 
 use cf_diffusion::verify::{Case, Random};
-use cf_diffusion::{Diffusion, Integrator, Law, Medium, Settings, Source, Splitting, State, StepError};
+use cf_diffusion::{Diffusion, Integrator, Law, Medium, Rate, Settings, Source, Splitting, State, StepError};
 use cf_grid::{Axis, CellField, Grid, Mask, Real, Sides, Wall};
 use nalgebra::SVector;
 
@@ -118,7 +118,10 @@ fn unusable_input_is_refused() {
     assert_eq!(step(&mut lacking, Source::NONE, 1.0), Err(StepError::SlowFlux { found: false }));
     let mut large = State::new(&other, &waves);
     assert!(matches!(step(&mut large, Source::NONE, 1.0), Err(StepError::Layout { .. })));
-    assert!(matches!(step(&mut state, Source::steady(&[1.0]), 1.0), Err(StepError::Layout { what: "the source", .. })));
+    assert!(matches!(
+        step(&mut state, Source::steady(&[1.0][..]), 1.0),
+        Err(StepError::Layout { what: "the source", .. })
+    ));
     let rate = vec![f64::NAN; grid.layout().slots()];
     let refused = step(&mut state, Source::steady(&rate), 1.0).unwrap_err();
     assert_eq!(
@@ -201,11 +204,42 @@ fn both_splittings_balance_mass_through_open_walls() {
         let medium = Medium::Uniform(SVector::from([0.9, -0.3]));
         let mut expected = state.mass(&case.grid);
         for share in [1.0, 0.25, 0.0, 1.0] {
-            let source = Source { rate: Some(&rate[..]), share };
+            let source = Source::during(&rate[..], share);
             let report = stepper.step(&mut state, &medium, source, case.dt).unwrap();
             expected += report.emitted - report.outflow;
         }
         let size = case.grid.layout().sum_abs(&state.phi) * case.grid.cell_volume();
         assert!((state.mass(&case.grid) - expected).abs() < 1e-12 * size, "{integrator:?} {splitting:?}");
+    }
+}
+
+/// A stretch of slots says the same as the field that is zero elsewhere; it need not begin or end with a row.
+#[test]
+fn a_rate_may_be_a_part_of_a_field() {
+    let law = Law::cattaneo(0.1, 0.4).unwrap();
+    for (integrator, splitting, dt) in [
+        (Integrator::PaperBe, Splitting::Paper, 0.03),
+        (Integrator::Sdirk2, Splitting::Strang, 0.03),
+        (Integrator::Sdirk2, Splitting::Strang, 3e7),
+        (Integrator::Kdk, Splitting::Strang, 0.03),
+    ] {
+        let mut case = Case::<3>::new([9, 7, 6], 0.05, law, integrator, dt).unwrap();
+        (case.settings.splitting, case.settings.tolerance) = (splitting, 1e-4);
+        case.mask = Some(Mask::new(case.grid.layout(), |c| c[0] != 4));
+        let layout = *case.grid.layout();
+        let (low, high) = (layout.slot([3, 2, 1]), layout.slot([6, 4, 4]));
+        let mut rate = vec![0.0; layout.slots()];
+        (low..high).for_each(|slot| rate[slot] = (slot as f64).sin());
+        let run = |source: Source<'_, f64>| {
+            let mut state = case.random_state::<f64>(&mut Random(6), 1.0, case.flux_unit());
+            let report = case.stepper::<f64>().unwrap().step(&mut state, &Medium::Still, source, dt).unwrap();
+            (state, report.emitted)
+        };
+        let part = Rate { first: low, values: &rate[low..high] };
+        assert!(run(Source::during(part, 0.7)) == run(Source::during(&rate, 0.7)), "{integrator:?} {splitting:?} {dt}");
+        let beyond = Rate { first: layout.slots() - 1, values: &rate[..2] };
+        let mut state = State::new(&case.grid, &law);
+        let refused = case.stepper::<f64>().unwrap().step(&mut state, &Medium::Still, Source::steady(beyond), dt);
+        assert!(matches!(refused, Err(StepError::Layout { what: "the source", .. })));
     }
 }

@@ -205,7 +205,7 @@ fn a_source_emits_for_its_share_of_the_step() {
         let mut emitted = 0.0;
         for i in 0..20 {
             let share = ((f64::from(i + 1) * 0.05 - 0.37) / 0.05).clamp(0.0, 1.0);
-            let source = Source { rate: Some(&rate[..]), share };
+            let source = Source::during(&rate[..], share);
             emitted += stepper.step(&mut state, &Medium::Still, source, case.dt).unwrap().emitted;
         }
         let expected = 4.0 * 0.63 * case.grid.cell_volume();

@@ -22,11 +22,11 @@ fn place<const D: usize>(cells: [usize; D], cell: [usize; D]) -> usize {
 }
 
 /// phi into `out`.
-pub(crate) fn take<T: Real, const D: usize>(grid: &Grid<D>, phi: &[T], out: &mut [f64]) {
+pub(crate) fn take<T: Real, const D: usize>(grid: &Grid<D>, phi: impl Fn(usize) -> T + Sync, out: &mut [f64]) {
     let (layout, cells) = (grid.layout(), grid.cells());
     out.par_chunks_mut(cells[0]).enumerate().for_each(|(row, out)| {
         let slot = layout.slot(start_of_row(cells, row));
-        out.iter_mut().zip(&phi[slot..]).for_each(|(x, p)| *x = p.f64());
+        out.iter_mut().enumerate().for_each(|(i, x)| *x = phi(slot + i).f64());
     });
 }
 

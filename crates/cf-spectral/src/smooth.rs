@@ -41,7 +41,7 @@ pub fn smooth<T: Real, const D: usize>(
     }
     let modes = Modes::new(grid, sides, Of::Waves)?;
     let (mut values, mut work) = (vec![0.0; modes.count()], vec![0.0; modes.count()]);
-    cells::take(grid, phi, &mut values);
+    cells::take(grid, |slot| phi[slot], &mut values);
     modes.transform(Direction::There, &mut values, &mut work);
     modes.each(&mut values, &mut work, |_, lambda, value, _| *value *= response(law, lambda, t));
     modes.transform(Direction::Back, &mut values, &mut work);

@@ -85,7 +85,7 @@ impl<const D: usize> Spectral<D> {
             (0..D).map(beside).sum::<f64>() * 2.0 / h / h
         });
         let mut rest = vec![0.0; self.modes.count()];
-        cells::take(&self.grid, &pull, &mut rest);
+        cells::take(&self.grid, |slot| pull[slot], &mut rest);
         self.modes.transform(Direction::There, &mut rest, &mut self.work);
         self.modes.each(&mut rest, &mut self.work, |_, lambda, rest, _| *rest /= lambda);
         Some(rest)
@@ -129,7 +129,7 @@ impl<const D: usize> Spectral<D> {
             return Err(SpectralError::NotFinite);
         }
         let volume = self.grid.cell_volume();
-        let emitted = source.rate.map_or(0.0, |rate| source.share * dt * layout.sum(rate)) * volume;
+        let emitted = source.rate.map_or(0.0, |rate| source.share * dt * rate.sum(&layout, |_| true)) * volume;
         let holds = self.sides.walls().all(|(.., wall)| wall == Wall::CLOSED);
         let outflow = if holds { 0.0 } else { emitted - gained * volume };
         Ok(StepReport { outflow, emitted, ..StepReport::default() })
@@ -141,7 +141,7 @@ impl<const D: usize> Spectral<D> {
         }
         let expected = self.grid.layout().slots();
         let flux = state.slow_flux.iter().flat_map(|q| q.axes()).map(|q| ("the slow flux", q.len()));
-        let rate = source.rate.iter().map(|rate| ("the source", rate.len()));
+        let rate = source.rate.iter().map(|rate| ("the source", rate.reach(expected)));
         match flux.chain(rate).chain([("phi", state.phi.len())]).find(|&(_, found)| found != expected) {
             Some((what, found)) => Err(SpectralError::Layout { what, expected, found }),
             None => Ok(()),
@@ -167,7 +167,7 @@ impl<const D: usize> Spectral<D> {
         let Self { grid, sides, law, modes: box_modes, rest, phi, flux, work, .. } = self;
         let memory = law.has_memory();
         let (keep, lost) = if memory { ((-dt / law.tau()).exp(), -(-dt / law.tau()).exp_m1()) } else { (0.0, 1.0) };
-        cells::take(grid, &state.phi, phi);
+        cells::take(grid, |slot| state.phi[slot], phi);
         box_modes.transform(Direction::There, phi, work);
         match &state.slow_flux {
             Some(q) => {
@@ -178,7 +178,7 @@ impl<const D: usize> Spectral<D> {
         }
         let emitted = source.rate.map(|rate| {
             let mut emitted = vec![0.0; phi.len()];
-            cells::take(grid, rate, &mut emitted);
+            cells::take(grid, |slot| rate.at(slot), &mut emitted);
             box_modes.transform(Direction::There, &mut emitted, work);
             emitted
         });

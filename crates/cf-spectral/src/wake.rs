@@ -51,7 +51,7 @@ pub fn wake<T: Real, const D: usize>(
     let n = grid.cells();
     let count: usize = n.iter().product();
     let mut real = vec![0.0; count];
-    cells::take(grid, rate, &mut real);
+    cells::take(grid, |slot| rate[slot], &mut real);
     let mut waves: Vec<Complex<f64>> = real.iter().map(|&w| Complex::new(w, 0.0)).collect();
     let mut planner = FftPlanner::new();
     transform(n.map(|n| planner.plan_fft_forward(n)), &mut waves);

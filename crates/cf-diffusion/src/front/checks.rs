@@ -43,7 +43,7 @@ impl<T: Real, const D: usize> Front<T, D> {
     pub(super) fn check_layout(&self, state: &FrontState<T, D>, source: Source<'_, T>) -> Result<(), FrontError> {
         let expected = self.grid.layout().slots();
         let flux = state.flux.iter().map(|q| ("the flux", q.len()));
-        let rate = source.rate.iter().map(|rate| ("the source", rate.len()));
+        let rate = source.rate.iter().map(|rate| ("the source", rate.reach(expected)));
         match flux.chain(rate).chain([("phi", state.phi.len())]).find(|&(_, found)| found != expected) {
             Some((what, found)) => Err(FrontError::Layout { what, expected, found }),
             None => Ok(()),
@@ -51,10 +51,10 @@ impl<T: Real, const D: usize> Front<T, D> {
     }
 
     /// The first cell in which x is not finite.
-    pub(super) fn first_bad(&self, x: &[T]) -> Option<Vec<usize>> {
+    pub(super) fn first_bad(&self, x: impl Fn(usize) -> T) -> Option<Vec<usize>> {
         let (layout, mut found) = (self.grid.layout(), None);
         layout.each_cell(layout.cells_region(), |at| {
-            if found.is_none() && !x[at.slot()].is_finite() {
+            if found.is_none() && !x(at.slot()).is_finite() {
                 found = Some(at.cell.to_vec());
             }
         });

@@ -225,9 +225,9 @@ impl<T: Real, const D: usize> Front<T, D> {
             return Ok(StepReport::default());
         }
         let layout = *self.grid.layout();
-        let amount = source.rate.map_or(0.0, |rate| source.share * dt * layout.sum(rate));
+        let amount = source.rate.map_or(0.0, |rate| source.share * dt * rate.sum(&layout, |_| true));
         if !amount.is_finite() {
-            let cell = source.rate.and_then(|rate| self.first_bad(rate));
+            let cell = source.rate.and_then(|rate| self.first_bad(|slot| rate.at(slot)));
             return Err(FrontError::NotFinite { field: "the source", cell: cell.unwrap_or_default() });
         }
         let step = dt / substeps as f64;
@@ -239,7 +239,7 @@ impl<T: Real, const D: usize> Front<T, D> {
             self.emit(state, source, if n < substeps { step } else { 0.5 * step });
         }
         if !left.is_finite() {
-            let cell = self.first_bad(&state.phi).unwrap_or_default();
+            let cell = self.first_bad(|slot| state.phi[slot]).unwrap_or_default();
             return Err(FrontError::NotFinite { field: "phi", cell });
         }
         let volume = self.grid.cell_volume();
@@ -256,7 +256,8 @@ impl<T: Real, const D: usize> Front<T, D> {
             &mut state.phi[..],
             #[inline(always)]
             |run, phi: &mut [T]| {
-                for (phi, &w) in phi.iter_mut().zip(run.row(rate)) {
+                let (skipped, rate) = rate.within(run.slot(), phi.len());
+                for (phi, &w) in phi[skipped..].iter_mut().zip(rate) {
                     *phi += dt * w;
                 }
             },

@@ -82,7 +82,7 @@ impl<T: Real, const D: usize> Implicit<T, D> {
         let before = part_sums(walls, parts, |slot| old[slot].f64() - far);
         // Between the cells of a part nothing is lost: what it gains is known without their fluxes.
         let mut gained = match source.rate {
-            Some(rate) => part_sums(walls, parts, |slot| source.share * c.dt * rate[slot].f64()),
+            Some(rate) => part_sums(walls, parts, |slot| source.share * c.dt * rate.at(slot).f64()),
             None => vec![0.0; before.len()],
         };
         let mut outflow = 0.0;

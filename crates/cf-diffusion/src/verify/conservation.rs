@@ -26,7 +26,7 @@ pub(super) fn mass_error<T: Real, const D: usize>(
     let mut size = layout.sum_abs(&state.phi) * volume;
     let (mut expected, mut passed) = (before, 0.0);
     for _ in 0..steps {
-        let source = Source { rate: Some(&rate), share };
+        let source = Source::during(&rate, share);
         let report = stepper.step(&mut state, medium, source, case.dt)?;
         expected += report.emitted - report.outflow;
         passed += report.emitted.abs() + report.outflow.abs();

@@ -110,7 +110,7 @@ fn stage<T: Real, const D: usize>(
             *r -= given * old;
         }
         if let Some(rate) = source.rate {
-            fluid.iter().for_each(|&slot| r[slot] -= given * dt * source.share * rate[slot].f64());
+            fluid.iter().for_each(|&slot| r[slot] -= given * dt * source.share * rate.at(slot).f64());
         }
         for f in &faces {
             let passing = dt / h * flux(f, phi, given);

@@ -2,6 +2,7 @@
 
 use crate::spec::Shape;
 use cf_grid::{Grid, Real, Region};
+use std::ops::Range;
 
 /// Shares closer than this to 0 or 1 are rounding.
 const ROUNDING: f64 = 1e-9;
@@ -16,6 +17,33 @@ pub(super) fn deposit<T: Real, const D: usize>(grid: &Grid<D>, shape: &Shape, va
             *cell += T::of(value * share(grid, shape, at.cell));
         }
     });
+}
+
+/// The same into a stretch of slots, from the slot `first` on.
+pub(super) fn deposit_within<T: Real, const D: usize>(
+    grid: &Grid<D>,
+    shape: &Shape,
+    value: f64,
+    first: usize,
+    cells: &mut [T],
+) {
+    grid.layout().each_cell(around(grid, shape), |at| {
+        if let Some(cell) = at.slot().checked_sub(first).and_then(|i| cells.get_mut(i)) {
+            *cell += T::of(value * share(grid, shape, at.cell));
+        }
+    });
+}
+
+/// The planes that shapes may touch, as a stretch of slots; empty where there are none.
+pub(super) fn planes<'s, const D: usize>(grid: &Grid<D>, shapes: impl Iterator<Item = &'s Shape>) -> Range<usize> {
+    let (last, stride) = (D - 1, grid.layout().stride(D - 1));
+    let touched = shapes.map(|shape| around(grid, shape)).filter(|region| region.low[last] < region.high[last]);
+    let ends = touched.fold(None, |ends: Option<[usize; 2]>, region| {
+        let [low, high] = ends.unwrap_or([usize::MAX, 0]);
+        Some([low.min(region.low[last]), high.max(region.high[last])])
+    });
+    // Behind the plane of the rim.
+    ends.map_or(0..0, |[low, high]| (low + 1) * stride..(high + 1) * stride)
 }
 
 /// The cells that a shape may touch.

@@ -10,7 +10,7 @@ use crate::solid::Solid;
 use crate::spec::{self, AxisSides, Field, Shape, SourceSpec};
 use crate::stopwatch::Stopwatch;
 use crate::summary::{FieldBytes, Range};
-use cf_diffusion::{Law, Source, StepReport};
+use cf_diffusion::{Law, Rate, Source, StepReport};
 use cf_grid::{Axis, CellField, FaceField, Grid, Mask, Sides, Wall};
 use cf_output::{Array, OutputError, Slice};
 
@@ -20,9 +20,10 @@ pub(super) struct DiffusionModel<T, const D: usize> {
     sources: Vec<SourceSpec>,
     /// Where phi was put in at the start.
     initial: Vec<Shape>,
-    /// The share of the step for which each source acts, and the rate field that follows.
+    /// The share of the step for which each source acts, and the rate that follows: its values from the slot `first` on.
     shares: Vec<f64>,
-    rate: CellField<T>,
+    rate: Vec<T>,
+    first: usize,
     stepper: Stepper<T, D>,
 }
 
@@ -45,10 +46,12 @@ impl<T: Number, const D: usize> DiffusionModel<T, D> {
             phi[slot] = T::ZERO;
         }
         let (sources, shares) = (model.sources.clone(), vec![0.0; model.sources.len()]);
-        let rate = CellField::new(grid.layout());
+        let emitting = sources.iter().filter(|source| source.rate.is_some()).map(|source| &source.shape);
+        let planes = coverage::planes(&grid, emitting);
+        let (first, rate) = (planes.start, vec![T::ZERO; planes.len()]);
         let starts = model.initial.iter().filter(|deposit| deposit.value != 0.0);
         let initial = starts.map(|deposit| deposit.shape.clone()).collect();
-        Ok(DiffusionModel { grid, sources, initial, shares, rate, stepper })
+        Ok(DiffusionModel { grid, sources, initial, shares, rate, first, stepper })
     }
 
     /// Brings the rate field up to date for a step.
@@ -60,7 +63,7 @@ impl<T: Number, const D: usize> DiffusionModel<T, D> {
         self.rate.fill(T::ZERO);
         for (source, share) in self.sources.iter().zip(&shares).filter(|(_, share)| **share > 0.0) {
             if let Some(rate) = source.rate {
-                coverage::deposit(&self.grid, &source.shape, rate * share, &mut self.rate);
+                coverage::deposit_within(&self.grid, &source.shape, rate * share, self.first, &mut self.rate);
             }
         }
         self.shares = shares;
@@ -159,7 +162,7 @@ impl<T: Number, const D: usize> Model for DiffusionModel<T, D> {
         let adds = |(source, share): (&SourceSpec, &f64)| *share > 0.0 && source.rate.is_some();
         let active = self.sources.iter().zip(&self.shares).any(adds);
         let held = if self.sources.iter().any(|source| source.value.is_some()) { self.hold(from, dt) } else { 0.0 };
-        let source = if active { Source::steady(&self.rate[..]) } else { Source::NONE };
+        let source = if active { Source::steady(Rate { first: self.first, values: &self.rate }) } else { Source::NONE };
         let report = self.stepper.step(from, dt, source, watch)?;
         Ok(StepReport { emitted: report.emitted + held, ..report })
     }
@@ -284,7 +287,7 @@ impl<T: Number, const D: usize> Model for DiffusionModel<T, D> {
         let rows = [
             ("phi", self.stepper.phi().bytes()),
             ("q_C", flux),
-            ("sources", self.rate.bytes()),
+            ("sources", size_of_val(&self.rate[..])),
             ("velocity", velocity),
             ("flow: velocities, pressure, solver", flow),
             ("stepper: scratch, solver, transport", self.stepper.bytes()),

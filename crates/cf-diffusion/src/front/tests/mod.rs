@@ -10,7 +10,7 @@ use cf_grid::{Grid, Real, Sides, Wall};
 use nalgebra::SVector;
 
 use super::{Front, FrontState};
-use crate::{Law, Source};
+use crate::{Law, Rate, Source};
 
 /// c = 1 m/s, tau = 1 s.
 fn law() -> Law {

@@ -81,7 +81,12 @@ fn a_source_is_second_order_and_emits_what_it_says() {
         let grid = Grid::new([n, 3], tau / n as f64).unwrap();
         let (mut front, mut state) = start::<f64, 2>(&grid, &Sides::periodic(), [0.0; 2], |_| 0.0);
         let rate = start::<f64, 2>(&grid, &Sides::periodic(), [0.0; 2], |x| x[0].sin() + 0.25).1.phi;
-        let report = front.step(&mut state, Source { rate: Some(&rate), share: 0.5 }, 1.5).unwrap();
+        let report = front.step(&mut state, Source::during(&rate, 0.5), 1.5).unwrap();
+        // All but the rim before the first cell and behind the last.
+        let part = Rate { first: grid.layout().slot([0; 2]), values: &rate[grid.layout().slot([0; 2])..] };
+        let (mut front, mut again) = start::<f64, 2>(&grid, &Sides::periodic(), [0.0; 2], |_| 0.0);
+        assert_eq!(front.step(&mut again, Source::during(part, 0.5), 1.5), Ok(report));
+        assert!(again == state);
         let expected = 0.5 * 1.5 * 0.25 * tau * 3.0 * grid.h();
         assert!((report.emitted / expected - 1.0).abs() < 1e-12);
         assert!((state.mass(&grid) / expected - 1.0).abs() < 1e-12);

@@ -86,7 +86,7 @@ impl Check for Walls {
         }
         let start = case.random_state::<T>(random, 1.0, case.flux_unit());
         let rate = case.random_state::<T>(random, 1.0 / case.dt, 0.0).phi;
-        let source = Source { rate: Some(&rate[..]), share: random.unit() };
+        let source = Source::during(&rate[..], random.unit());
         let start64 = rounded::<f64, T, D>(&case, &start);
         let (expected, outflow) = dense_step(&case, &start64, source)?;
         let mut state = start.clone();

@@ -86,7 +86,7 @@ impl Check for Fronts {
         let (mut expected, mut size) = (state.mass(&case.grid), layout.sum_abs(&state.phi) * volume);
         let (mut passed, mut substeps) = (0.0, 0.0);
         for _ in 0..5 {
-            let report = front.step(&mut state, Source { rate: Some(&rate), share }, dt)?;
+            let report = front.step(&mut state, Source::during(&rate, share), dt)?;
             expected += report.emitted - report.outflow;
             passed += report.emitted.abs() + report.outflow.abs();
             size = size.max(layout.sum_abs(&state.phi) * volume);

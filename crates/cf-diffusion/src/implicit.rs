@@ -13,19 +13,22 @@
 //! phi^ itself is kept and its mass is restored per fluid component.
 
 mod conductances;
+mod rhs;
 mod update;
 
-use cf_grid::{CellField, End, Max, Pool, Real, Wall, row_sum};
-use cf_linear::{Choice, Deviation, Helmholtz, Options, Plan, Precision, SolveError, Solver, Statistics, Stop};
+use cf_grid::{CellField, End, Pool, Real, Wall};
+use cf_linear::{Choice, Deviation, Helmholtz, Options, Plan, Precision, RightHandSide};
+use cf_linear::{SolveError, Solver, Statistics, Stop};
 
 use crate::coefficients::Coefficients;
 use crate::law::Law;
 use crate::source::Source;
 use crate::state::State;
 use crate::step_error::StepError;
-use crate::sweeps::{net_outflow, update_flux};
+use crate::sweeps::update_flux;
 use crate::walls::{WallCell, Walls};
 use conductances::Conductances;
+use rhs::{Formed, Formula};
 
 /// Largest share of rounding noise, D eps kappa, up to which phi is rebuilt from fluxes.
 fn noise_limit<T: Real>() -> f64 {
@@ -55,7 +58,6 @@ struct Stage<T> {
 /// Implicit stages on one domain: scratch, and the solver of the current step size.
 pub(crate) struct Implicit<T, const D: usize> {
     h: f64,
-    rhs: CellField<T>,
     y: CellField<T>,
     solver: Option<(f64, Solver<T, D>)>,
     found: Deviation,
@@ -67,14 +69,14 @@ pub(crate) struct Implicit<T, const D: usize> {
 
 impl<T: Real, const D: usize> Implicit<T, D> {
     pub fn new(h: f64, tolerance: f64, precision: Precision, plan: Option<Plan>) -> Self {
-        let [rhs, y] = Default::default();
-        Self { h, rhs, y, solver: None, found: Deviation::default(), precision, plan, tolerance, pool: Pool::default() }
+        let (y, found, pool) = Default::default();
+        Self { h, y, solver: None, found, precision, plan, tolerance, pool }
     }
 
     /// From now on scratch comes from `pool`; [`release`](Self::release) gives it back.
     pub fn share(&mut self, pool: &Pool<T>) {
         self.pool = pool.clone();
-        (self.rhs, self.y) = Default::default();
+        self.y = CellField::default();
         if let Some((_, solver)) = &mut self.solver {
             solver.share(pool);
         }
@@ -82,11 +84,11 @@ impl<T: Real, const D: usize> Implicit<T, D> {
 
     /// Gives scratch back to the pool.
     pub fn release(&mut self) {
-        self.pool.release([&mut self.rhs, &mut self.y]);
+        self.pool.release([&mut self.y]);
     }
 
     pub fn bytes(&self) -> usize {
-        self.rhs.bytes() + self.y.bytes() + self.solver.as_ref().map_or(0, |(_, s)| s.bytes())
+        self.y.bytes() + self.solver.as_ref().map_or(0, |(_, s)| s.bytes())
     }
 
     pub fn choice(&self) -> Option<(&Choice, usize)> {
@@ -104,7 +106,7 @@ impl<T: Real, const D: usize> Implicit<T, D> {
         dt: f64,
         stretch: f64,
     ) -> Result<Moved, StepError> {
-        self.pool.fetch(&walls.layout, [&mut self.rhs, &mut self.y]);
+        self.pool.fetch(&walls.layout, [&mut self.y]);
         let (mut c, h) = (Coefficients::new(law, dt), self.h);
         let kappa = c.beta / (h * h);
         let faces = Conductances::new(walls, kappa, dt / h);
@@ -114,7 +116,13 @@ impl<T: Real, const D: usize> Implicit<T, D> {
         }
         let reference = T::of(faces.level(walls, walls.fluid_mean(&state.phi)));
         let stage = Stage { c, faces, reference, stretch };
-        let size = self.form_rhs(walls, state, source, &stage);
+        if let Some(q) = &mut state.slow_flux {
+            walls.fill_seams(q);
+        }
+        let State { phi, slow_flux } = &mut *state;
+        let slow = slow_flux.as_ref().map(|q| q.axes());
+        let formula = Formula::new(walls, slow, source, &stage, h);
+        let size = formula.size(walls, &faces, phi);
         if !size.is_finite() {
             return Err(culprit(walls, state, source));
         }
@@ -123,15 +131,15 @@ impl<T: Real, const D: usize> Implicit<T, D> {
         // Never below the rounding floor of evaluating the right-hand side itself.
         let wanted = (self.tolerance.max(8.0 * T::EPSILON)) * size;
         let found = &mut self.found;
-        solve(solver, &self.rhs, &mut self.y, wanted, found)?;
+        solve(solver, &Formed { formula: &formula, phi }, &mut self.y, wanted, found)?;
         let (factor, statistics) = (found.factor, found.statistics);
         walls.fill_rim(&mut self.y);
 
         let noise = D as f64 * T::EPSILON * faces.largest;
         let outflow = if noise <= noise_limit::<T>() {
-            self.rebuild(walls, state, &stage, factor)
+            self.rebuild(walls, phi, slow, &formula, &stage, factor)
         } else {
-            self.keep(walls, state, source, &stage, factor)
+            self.keep(walls, phi, source, &formula, &stage, factor)
         };
         self.update_slow_flux(walls, state, &stage, factor);
         Ok(Moved { outflow, statistics })
@@ -151,84 +159,6 @@ impl<T: Real, const D: usize> Implicit<T, D> {
             }
         });
         walls.fill_seams(q);
-    }
-
-    /// rhs = phi* - reference - (w dt/h) Σ(q_high - q_low) + dt W + walls; returns the size of what went in.
-    fn form_rhs(
-        &mut self,
-        walls: &Walls<T, D>,
-        state: &mut State<T, D>,
-        source: Source<'_, T>,
-        stage: &Stage<T>,
-    ) -> f64 {
-        let &Stage { c, faces, reference, .. } = stage;
-        let layout = walls.layout;
-        if let Some(q) = &mut state.slow_flux {
-            walls.fill_seams(q);
-        }
-        let (phi, slow) = (&state.phi[..], state.slow_flux.as_ref().map(|q| q.axes()));
-        let pull = T::of(c.pull / self.h);
-        let emitted = source.share * c.dt;
-        let fluid = walls.mask.as_ref().map(|m| m.fluid());
-        let size: Max = layout.par_runs(
-            layout.cells_region(),
-            &mut self.rhs[..],
-            #[inline(always)]
-            |run, rhs: &mut [T]| {
-                let mut net = [T::ZERO; ROW];
-                let mut size = Max(0.0);
-                in_pieces(
-                    &run,
-                    rhs,
-                    #[inline(always)]
-                    |piece, rhs| {
-                        for (rhs, &phi) in rhs.iter_mut().zip(piece.row(phi)) {
-                            *rhs = phi - reference;
-                        }
-                        if let Some(q) = slow {
-                            let net = &mut net[..rhs.len()];
-                            net_outflow(&piece, q, net);
-                            for (rhs, &net) in rhs.iter_mut().zip(net.iter()) {
-                                *rhs -= pull * net;
-                            }
-                        }
-                        if let Some(rate) = source.rate {
-                            let emitted = T::of(emitted);
-                            let (skipped, rate) = rate.within(piece.slot(), rhs.len());
-                            for (rhs, &w) in rhs[skipped..].iter_mut().zip(rate) {
-                                *rhs += emitted * w;
-                            }
-                        }
-                        if let Some(fluid) = fluid {
-                            for (rhs, &fluid) in rhs.iter_mut().zip(piece.row(fluid)) {
-                                *rhs = if fluid { *rhs } else { T::ZERO };
-                            }
-                        }
-                        let largest = rhs.iter().fold(T::ZERO, |m, r| m.max(r.abs()));
-                        // A NaN loses every comparison; the sum keeps it.
-                        let poison = row_sum(rhs) * 0.0;
-                        size = Max(size.0.max(largest.f64()) + poison);
-                    },
-                );
-                size
-            },
-        );
-        let mut size = size.0;
-        if !size.is_finite() {
-            return size;
-        }
-        let far = reference.f64();
-        walls.each(|w| {
-            let (part, level) = match w.wall {
-                Wall::Flux(g) => (-faces.per_h * g, faces.per_h * g),
-                Wall::Value(v) => (faces.of(w.wall) * (v - far), v - far),
-                Wall::Absorbing { far: rest, .. } => (faces.of(w.wall) * (rest - far), rest - far),
-                Wall::Open { .. } => return,
-            };
-            self.rhs[w.cell] += T::of(part);
-            size = size.max(level.abs());
-        });
-        size
     }
 
     /// The solver for this step size, rebuilt when the size changes.
@@ -259,7 +189,7 @@ impl<T: Real, const D: usize> Implicit<T, D> {
 /// solve that stopped a hair above its goal is asked for a little more.
 fn solve<T: Real, const D: usize>(
     solver: &mut Solver<T, D>,
-    rhs: &[T],
+    rhs: &dyn RightHandSide<T, D>,
     y: &mut [T],
     wanted: f64,
     found: &mut Deviation,

@@ -3,7 +3,8 @@
 //!
 //! Velocities are in m/s, the potential s in m/s times h: div u = out/h with out = Σ (u_R - u_L), grad s = s - s_low.
 
-use cf_grid::{End, FaceField, Layout, Max, Real, Reduce, Region, Sides, row_dot};
+use cf_grid::{End, FaceField, Layout, Max, Real, Reduce, Region, Run, Sides, row_dot, vectorised};
+use cf_linear::{PIECE, RightHandSide};
 
 use crate::gates::{Gates, wall_faces};
 
@@ -40,7 +41,7 @@ pub(crate) fn wrap_seams<T: Real, W: Copy, const D: usize>(
 
 /// Σ (u_R - u_L) of a row into `out`; seams must be wrapped.
 #[inline(always)]
-fn net<T: Real, const D: usize>(run: &cf_grid::Run<'_, D>, u: &[&[T]; D], out: &mut [T]) {
+fn net<T: Real, const D: usize>(run: &Run<'_, D>, u: &[&[T]; D], out: &mut [T]) {
     for a in 0..D {
         let (low, high) = (run.row(u[a]), run.high(a, u[a]));
         for ((o, &l), &h) in out.iter_mut().zip(low).zip(high) {
@@ -49,40 +50,65 @@ fn net<T: Real, const D: usize>(run: &cf_grid::Run<'_, D>, u: &[&[T]; D], out: &
     }
 }
 
-/// b = -Σ (u_R - u_L) in fluid cells, 0 elsewhere; returns max|b|. Wraps the seams of `u`.
-pub(crate) fn negative_divergence<T: Real, const D: usize>(
-    layout: &Layout<D>,
-    gates: &Gates<D>,
-    fluid: Option<&[bool]>,
-    u: &mut FaceField<T, D>,
-    b: &mut [T],
-) -> f64 {
-    wrap_seams(layout, gates.sides(), u);
-    let u = u.axes();
-    let max: Max = layout.par_runs(
-        layout.cells_region(),
-        b,
-        #[inline(always)]
-        |run, b: &mut [T]| {
-            net(&run, &u, b);
-            let mut max = T::ZERO;
-            let mut poison = T::ZERO;
-            match fluid {
-                None => b.iter_mut().for_each(|b| *b = -*b),
-                Some(fluid) => {
-                    for (b, &wet) in b.iter_mut().zip(run.row(fluid)) {
-                        *b = if wet { -*b } else { T::ZERO };
-                    }
+/// b = -Σ (u_R - u_L) in fluid cells, 0 elsewhere, formed where it is read.
+pub(crate) struct NegativeDivergence<'a, T, const D: usize> {
+    u: [&'a [T]; D],
+    fluid: Option<&'a [bool]>,
+}
+
+impl<'a, T: Real, const D: usize> NegativeDivergence<'a, T, D> {
+    /// Of `u`, whose seams it wraps.
+    pub fn new(layout: &Layout<D>, gates: &Gates<D>, fluid: Option<&'a [bool]>, u: &'a mut FaceField<T, D>) -> Self {
+        wrap_seams(layout, gates.sides(), u);
+        Self { u: u.axes(), fluid }
+    }
+
+    #[inline(always)]
+    fn form(&self, run: &Run<'_, D>, b: &mut [T]) {
+        net(run, &self.u, b);
+        match self.fluid {
+            None => b.iter_mut().for_each(|b| *b = -*b),
+            Some(fluid) => {
+                for (b, &wet) in b.iter_mut().zip(run.row(fluid)) {
+                    *b = if wet { -*b } else { T::ZERO };
                 }
             }
-            for &b in b.iter() {
-                max = max.max(b.abs());
-                poison += b * T::ZERO;
-            }
-            Max((max + poison).f64())
-        },
-    );
-    max.0
+        }
+    }
+
+    /// max|b|; NaN if any velocity is not a number.
+    pub fn largest(&self, layout: &Layout<D>) -> f64 {
+        let max: Max = layout.par_runs(
+            layout.cells_region(),
+            (),
+            #[inline(always)]
+            |run, ()| {
+                let mut buffer = [T::ZERO; PIECE];
+                let (mut max, mut poison) = (T::ZERO, T::ZERO);
+                for first in (0..run.len()).step_by(PIECE) {
+                    let piece = run.part(first, PIECE.min(run.len() - first));
+                    let b = &mut buffer[..piece.len()];
+                    self.form(&piece, b);
+                    for &b in b.iter() {
+                        max = max.max(b.abs());
+                        poison += b * T::ZERO;
+                    }
+                }
+                Max((max + poison).f64())
+            },
+        );
+        max.0
+    }
+}
+
+impl<T: Real, const D: usize> RightHandSide<T, D> for NegativeDivergence<'_, T, D> {
+    fn row<'r>(&'r self, run: &Run<'_, D>, buffer: &'r mut [T]) -> &'r [T] {
+        vectorised(
+            #[inline(always)]
+            || self.form(run, buffer),
+        );
+        buffer
+    }
 }
 
 /// u -= grad s on open faces. The rim of `s` must be wrapped along periodic axes; behind an open wall s = 0 on the face.

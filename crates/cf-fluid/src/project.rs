@@ -6,7 +6,7 @@
 use cf_grid::{CellField, FaceField, Grid, Mask, Pool, Real, Sides};
 use cf_linear::{Choice, Deviation, Helmholtz, Options, Plan, Precision, Solver, Stop};
 
-use crate::calculus::{max_speed, negative_divergence, subtract_gradient};
+use crate::calculus::{NegativeDivergence, max_speed, subtract_gradient};
 use crate::error::FlowError;
 use crate::gates::{Gates, Held};
 use crate::wall::{self, FlowWall};
@@ -33,7 +33,6 @@ pub struct Projection<T, const D: usize> {
     solver: Solver<T, D>,
     solved: Deviation,
     precision: Precision,
-    rhs: CellField<T>,
     step: CellField<T>,
     pool: Pool<T>,
 }
@@ -65,7 +64,6 @@ impl<T: Real, const D: usize> Projection<T, D> {
             gates,
             mask: mask.cloned(),
             precision,
-            rhs: CellField::default(),
             step: CellField::default(),
             pool: Pool::default(),
         })
@@ -97,7 +95,7 @@ impl<T: Real, const D: usize> Projection<T, D> {
     pub(crate) fn share(&mut self, pool: &Pool<T>) {
         self.pool = pool.clone();
         self.solver.share(pool);
-        (self.rhs, self.step) = Default::default();
+        self.step = CellField::default();
     }
 
     /// Where scratch comes from.
@@ -105,15 +103,9 @@ impl<T: Real, const D: usize> Projection<T, D> {
         &self.pool
     }
 
-    /// Two scalar arrays, idle between projections.
-    pub(crate) fn scratch(&mut self) -> [&mut CellField<T>; 2] {
-        self.pool.fetch(self.grid.layout(), [&mut self.rhs, &mut self.step]);
-        [&mut self.rhs, &mut self.step]
-    }
-
     /// Gives scratch back to the pool.
     pub(crate) fn release(&mut self) {
-        self.pool.release([&mut self.rhs, &mut self.step]);
+        self.pool.release([&mut self.step]);
     }
 
     /// The solver's plan, and its levels.
@@ -124,7 +116,7 @@ impl<T: Real, const D: usize> Projection<T, D> {
     /// Bytes held, without what is in a shared pool.
     pub fn bytes(&self) -> usize {
         let mask = self.mask.as_ref().map_or(0, |m| m.fluid().len());
-        self.rhs.bytes() + self.step.bytes() + self.solver.bytes() + self.gates.bytes() + mask
+        self.step.bytes() + self.solver.bytes() + self.gates.bytes() + mask
     }
 
     /// Sets every closed face of `u` to the velocity it holds.
@@ -138,10 +130,9 @@ impl<T: Real, const D: usize> Projection<T, D> {
     }
 
     /// max|div u| \[1/s\] over fluid cells; NaN if any velocity is not a number.
-    pub fn divergence(&mut self, u: &mut FaceField<T, D>) -> f64 {
-        self.scratch();
-        let fluid = self.mask.as_ref().map(Mask::fluid);
-        negative_divergence(self.grid.layout(), &self.gates, fluid, u, &mut self.rhs) / self.grid.h()
+    pub fn divergence(&self, u: &mut FaceField<T, D>) -> f64 {
+        let (layout, fluid) = (self.grid.layout(), self.mask.as_ref().map(Mask::fluid));
+        NegativeDivergence::new(layout, &self.gates, fluid, u).largest(layout) / self.grid.h()
     }
 
     /// Sets closed faces, then makes max|div u| dt <= eta. `potential` holds a guess of s \[m/s h\] and gets s; zeros are a
@@ -202,14 +193,15 @@ impl<T: Real, const D: usize> Projection<T, D> {
     ) -> Result<Projected, FlowError> {
         let layout = *self.grid.layout();
         let scale = T::of(factor);
-        self.scratch();
+        self.pool.fetch(&layout, [&mut self.step]);
         let fluid = self.mask.as_ref().map(Mask::fluid);
         let (h, mut done) = (self.grid.h(), Projected::default());
         // In the units of Σ (u_R - u_L). Without a step nothing is moved by what remains: the rounding floor decides.
         let wanted = (eta * h / dt).min(f64::MAX.sqrt());
         let mut removed = 0.0;
         for pass in 0..=PASSES {
-            let largest = negative_divergence(&layout, &self.gates, fluid, u, &mut self.rhs);
+            let rhs = NegativeDivergence::new(&layout, &self.gates, fluid, u);
+            let largest = rhs.largest(&layout);
             if !largest.is_finite() {
                 return Err(self.not_finite(u));
             }
@@ -220,7 +212,7 @@ impl<T: Real, const D: usize> Projection<T, D> {
                 break;
             }
             let solved = &mut self.solved;
-            self.solver.solve_deviation(&self.rhs, &mut self.step, Stop::Largest(SHARE * wanted), solved)?;
+            self.solver.solve_deviation(&rhs, &mut self.step, Stop::Largest(SHARE * wanted), solved)?;
             self.solver.finish(&mut self.step, solved);
             done.iterations += solved.statistics.iterations;
             done.at_floor = solved.statistics.at_floor && pass > 0;

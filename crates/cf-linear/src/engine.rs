@@ -1,6 +1,6 @@
 //! What a [`Solver`](crate::Solver) holds: the operator alone, or with a V-cycle in the same or in single precision.
 
-use cf_grid::{CellField, Real};
+use cf_grid::{CellField, Layout, Real};
 
 use crate::helmholtz::Helmholtz;
 use crate::level::LevelOperator;
@@ -46,11 +46,12 @@ impl<T: Real, const D: usize> Engine<T, D> {
         }
     }
 
-    /// z, where it has the precision of the vectors.
-    pub fn shareable(&mut self) -> Option<&mut CellField<T>> {
-        match self {
-            Self::Same { z, .. } => Some(z),
-            Self::Plain(_) | Self::Single { .. } => None,
+    /// Calls `f` with z and the vectors of the cycle, where they have the precision of the solver's vectors.
+    pub fn each_vector(&mut self, mut f: impl FnMut(&Layout<D>, &mut CellField<T>)) {
+        if let Self::Same { multigrid, z } = self {
+            let layout = multigrid.finest().layout;
+            f(&layout, z);
+            multigrid.each_vector(f);
         }
     }
 

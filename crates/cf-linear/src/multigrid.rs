@@ -5,7 +5,7 @@
 //! Levels of uniform coefficients take the two sweeps of [`fused`](crate::fused); levels with stored coefficients, and
 //! those where two cells of one colour meet at a seam, take one sweep per part of the cycle.
 
-use cf_grid::{Layout, Real, row_dot, row_sum};
+use cf_grid::{CellField, Layout, Real, row_dot, row_sum};
 
 use crate::axis::in_series;
 use crate::coarse::CoarseSolver;
@@ -25,7 +25,7 @@ pub(crate) struct Multigrid<T, const D: usize> {
     coarser: Vec<Level<T, D>>,
     coarsest: Option<CoarseSolver<D>>,
     /// Right-hand side and scratch of the finest level; empty where that is fused.
-    own: [Vec<T>; 2],
+    own: [CellField<T>; 2],
     work: Work<T>,
 }
 
@@ -37,12 +37,12 @@ struct Step<T, const D: usize> {
 
 struct Level<T, const D: usize> {
     operator: LevelOperator<T, D>,
-    x: Vec<T>,
-    b: Vec<T>,
+    x: CellField<T>,
+    b: CellField<T>,
     /// Empty where the level is fused.
-    scratch: Vec<T>,
+    scratch: CellField<T>,
     /// Right-hand side and solution of a second cycle.
-    second: Option<[Vec<T>; 2]>,
+    second: Option<[CellField<T>; 2]>,
 }
 
 /// What the fused sweeps of all levels share.
@@ -82,21 +82,12 @@ impl<T: Real, const D: usize> Multigrid<T, D> {
                 break CoarseSolver::new(current);
             }
             let (operator, step) = coarsen(current, &mut open);
-            let slots = operator.layout.slots();
-            let field = || vec![T::ZERO; slots];
             let twice = coarser.len() + 1 == TWICE && D == 3 && !helmholtz.is_stored();
-            let second = twice.then(|| [field(), field()]);
-            coarser.push(Level { x: field(), b: field(), scratch: Vec::new(), second, operator });
+            let [x, b, scratch] = Default::default();
+            coarser.push(Level { x, b, scratch, second: twice.then(Default::default), operator });
             steps.push(step);
             strength /= 4.0;
         };
-        for (l, level) in coarser.iter_mut().enumerate() {
-            if steps.get(l + 1).is_some_and(|s| s.fused.is_none()) {
-                level.scratch = vec![T::ZERO; level.x.len()];
-            }
-        }
-        let slots = if steps.first().is_some_and(|s| s.fused.is_some()) { 0 } else { finest.layout.slots() };
-        let own = std::array::from_fn(|_| vec![T::ZERO; slots]);
         let fused = || steps.iter().filter_map(|s| s.fused.as_ref());
         let length = fused().map(Fused::scratch).max().unwrap_or(0);
         let planes = fused().map(Fused::planes).max().unwrap_or(0);
@@ -106,7 +97,22 @@ impl<T: Real, const D: usize> Multigrid<T, D> {
             threads: (0..threads).map(|_| vec![T::ZERO; length]).collect(),
             sums: vec![Products::default(); planes],
         };
-        Self { finest, steps, coarser, coarsest, own, work }
+        let mut made = Self { finest, steps, coarser, coarsest, own: Default::default(), work };
+        made.each_vector(|layout, vector| *vector = CellField::new(layout));
+        made
+    }
+
+    /// Calls `f` with every vector that the cycle needs, and its layout.
+    pub fn each_vector(&mut self, mut f: impl FnMut(&Layout<D>, &mut CellField<T>)) {
+        let Self { finest, steps, coarser, own, .. } = self;
+        if steps.first().is_none_or(|s| s.fused.is_none()) {
+            own.iter_mut().for_each(|vector| f(&finest.layout, vector));
+        }
+        for (l, Level { operator, x, b, scratch, second }) in coarser.iter_mut().enumerate() {
+            let plain = steps.get(l + 1).is_some_and(|s| s.fused.is_none());
+            let scratch = plain.then_some(scratch).into_iter();
+            [x, b].into_iter().chain(scratch).chain(second.iter_mut().flatten()).for_each(|v| f(&operator.layout, v));
+        }
     }
 
     /// The operator of the finest level, divided by its [`scale`](Helmholtz::scale).
@@ -123,7 +129,7 @@ impl<T: Real, const D: usize> Multigrid<T, D> {
     pub fn bytes(&self) -> usize {
         let second = |l: &Level<T, D>| l.second.as_ref().map_or(0, |s| s[0].len() + s[1].len());
         let levels: usize = self.coarser.iter().map(|l| l.x.len() + l.b.len() + l.scratch.len() + second(l)).sum();
-        let own: usize = self.own.iter().map(Vec::len).sum();
+        let own: usize = self.own.iter().map(|vector| vector.len()).sum();
         let rings: usize = self.work.threads.iter().map(Vec::len).sum();
         let scales: usize = self.steps.iter().filter_map(|s| s.transfer.renormalise.as_ref()).map(Vec::len).sum();
         let tables: usize = self.steps.iter().filter_map(|s| s.fused.as_ref()).map(Fused::bytes).sum();
@@ -145,7 +151,7 @@ pub(crate) struct Cycle<'a, T, const D: usize> {
     steps: &'a [Step<T, D>],
     coarser: &'a mut [Level<T, D>],
     coarsest: &'a mut Option<CoarseSolver<D>>,
-    own: &'a mut [Vec<T>; 2],
+    own: &'a mut [CellField<T>; 2],
     work: &'a mut Work<T>,
 }
 

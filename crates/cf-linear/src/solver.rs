@@ -10,8 +10,9 @@ use crate::kernels::{Clock, Kernel};
 use crate::norms::largest;
 use crate::pcg::Vectors;
 use crate::plan::{Choice, Plan};
+use crate::rhs::{Rhs, RightHandSide};
 use crate::stop::{Deviation, Statistics, Stop};
-use crate::task::{Goal, Rhs, Scaled, Task};
+use crate::task::{Goal, Scaled, Task};
 
 /// Precision of the preconditioner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -103,16 +104,28 @@ impl<T: Real, const D: usize> Solver<T, D> {
         })
     }
 
-    /// From now on the vectors of the iteration come from `pool` for each solve and go back to it; preconditioners of single
-    /// precision in f64 keep their own.
+    /// From now on the vectors of the iteration and of its levels come from `pool` for each solve and go back to it;
+    /// preconditioners of single precision in f64 keep their own.
     pub fn share(&mut self, pool: &Pool<T>) {
         self.pool = pool.clone();
-        self.scratch().for_each(|array| *array = CellField::default());
+        self.each_vector(|_, array| *array = CellField::default());
     }
 
-    /// r, p and z.
-    fn scratch(&mut self) -> impl Iterator<Item = &mut CellField<T>> {
-        [&mut self.vectors.r, &mut self.vectors.p].into_iter().chain(self.engine.shareable())
+    /// Calls `f` with r, p, z and the vectors of all levels.
+    fn each_vector(&mut self, mut f: impl FnMut(&Layout<D>, &mut CellField<T>)) {
+        f(&self.layout, &mut self.vectors.r);
+        f(&self.layout, &mut self.vectors.p);
+        self.engine.each_vector(f);
+    }
+
+    fn fetch(&mut self) {
+        let pool = self.pool.clone();
+        self.each_vector(|layout, array| pool.fetch(layout, [array]));
+    }
+
+    fn release(&mut self) {
+        let pool = self.pool.clone();
+        self.each_vector(|_, array| pool.release([array]));
     }
 
     /// The plan and why.
@@ -156,6 +169,7 @@ impl<T: Real, const D: usize> Solver<T, D> {
     }
 
     fn precondition_here(&mut self, r: &[T], z: &mut [T]) {
+        self.fetch();
         match &mut self.engine {
             Engine::Plain(_) => z.copy_from_slice(r),
             Engine::Same { multigrid, .. } => {
@@ -168,6 +182,7 @@ impl<T: Real, const D: usize> Solver<T, D> {
                 self.layout.par_cells(z, |at| T::of(f64::from(single[at.slot()]) * unit));
             }
         }
+        self.release();
     }
 
     /// Solves A x = b from a zero guess: x is overwritten, its rim zero behind walls and wrapped along
@@ -177,7 +192,7 @@ impl<T: Real, const D: usize> Solver<T, D> {
     /// with [`SolveError::NotConverged`] if the criterion is met neither within the limit nor by the rounding floor.
     pub fn solve(&mut self, b: &[T], x: &mut [T], stop: Stop) -> Result<Statistics, SolveError> {
         let mut deviation = std::mem::take(&mut self.deviation);
-        let done = self.solve_deviation(b, x, stop, &mut deviation).and_then(|()| self.finish_checked(x, &deviation));
+        let done = self.solve_deviation(&b, x, stop, &mut deviation).and_then(|()| self.finish_checked(x, &deviation));
         self.deviation = deviation;
         done.map(|()| self.deviation.statistics)
     }
@@ -193,22 +208,22 @@ impl<T: Real, const D: usize> Solver<T, D> {
         if self.choice.plan != Plan::Multigrid {
             return Ok(Vec::new());
         }
-        let (pool, layout) = (self.pool.clone(), self.layout);
-        pool.fetch(&layout, self.scratch());
+        let layout = self.layout;
+        self.fetch();
         let mut clock = Clock { runs, found: Vec::new() };
         let mut means = vec![0.0; self.deflation.count()];
         clock.time("right-hand side", 0.0, 3.0, || {
-            if let Some(mut rhs) = Rhs::new(&layout, b, self.fluid.as_deref(), &mut means) {
+            if let Some(mut rhs) = Rhs::new(&layout, &b, self.fluid.as_deref(), &mut means) {
                 rhs.load_deflated(&layout, &self.deflation, &mut self.vectors.r);
             }
         });
-        if let Some(rhs) = Rhs::new(&layout, b, self.fluid.as_deref(), &mut means) {
+        if let Some(rhs) = Rhs::new(&layout, &b, self.fluid.as_deref(), &mut means) {
             let (goal, deflation, scaled) = (Goal::Largest(0.0), &self.deflation, self.scaled);
             let task = Task { layout, rhs, deflation, goal, wanted: 0.0, scaled };
             task.time(&mut self.engine, x, &mut self.vectors, &mut clock);
         }
         clock.time("x = constants + factor y", 0.0, 2.0, || self.finish_here(x, &self.deviation));
-        pool.release(self.scratch());
+        self.release();
         Ok(clock.found)
     }
 
@@ -217,7 +232,7 @@ impl<T: Real, const D: usize> Solver<T, D> {
     /// as [`solve`](Self::solve) does, and leaves no solution in `found` then.
     pub fn solve_deviation(
         &mut self,
-        b: &[T],
+        b: &dyn RightHandSide<T, D>,
         y: &mut [T],
         stop: Stop,
         found: &mut Deviation,
@@ -257,22 +272,35 @@ impl<T: Real, const D: usize> Solver<T, D> {
         8.0 * T::EPSILON * (2.0 * self.scale - self.alpha) * largest
     }
 
-    fn check_length(&self, what: &'static str, x: &[T]) -> Result<(), SolveError> {
-        let (expected, found) = (self.layout.slots(), x.len());
+    fn check_length(&self, what: &'static str, found: usize) -> Result<(), SolveError> {
+        let expected = self.layout.slots();
         if found == expected { Ok(()) } else { Err(SolveError::Length { what, expected, found }) }
     }
 
-    fn run(&mut self, b: &[T], y: &mut [T], goal: Goal, found: &mut Deviation) -> Result<(), SolveError> {
-        self.check_length("the right-hand side", b)?;
-        self.check_length("the solution", y)?;
-        let (pool, layout) = (self.pool.clone(), self.layout);
-        pool.fetch(&layout, self.scratch());
+    fn run(
+        &mut self,
+        b: &dyn RightHandSide<T, D>,
+        y: &mut [T],
+        goal: Goal,
+        found: &mut Deviation,
+    ) -> Result<(), SolveError> {
+        if let Some(slots) = b.slots() {
+            self.check_length("the right-hand side", slots)?;
+        }
+        self.check_length("the solution", y.len())?;
+        self.fetch();
         let done = self.run_with_vectors(b, y, goal, found);
-        pool.release(self.scratch());
+        self.release();
         done
     }
 
-    fn run_with_vectors(&mut self, b: &[T], y: &mut [T], goal: Goal, found: &mut Deviation) -> Result<(), SolveError> {
+    fn run_with_vectors(
+        &mut self,
+        b: &dyn RightHandSide<T, D>,
+        y: &mut [T],
+        goal: Goal,
+        found: &mut Deviation,
+    ) -> Result<(), SolveError> {
         let (layout, tolerance) = (self.layout, goal.tolerance());
         if tolerance.is_nan() || tolerance < 0.0 {
             return Err(SolveError::Coefficient { name: "tolerance", value: tolerance });
@@ -330,7 +358,8 @@ impl<T: Real, const D: usize> Solver<T, D> {
     }
 }
 
-type Run<T, const D: usize> = fn(&mut Solver<T, D>, &[T], &mut [T], Goal, &mut Deviation) -> Result<(), SolveError>;
+type Run<T, const D: usize> =
+    fn(&mut Solver<T, D>, &dyn RightHandSide<T, D>, &mut [T], Goal, &mut Deviation) -> Result<(), SolveError>;
 type Kernels<T, const D: usize> = fn(&mut Solver<T, D>, &[T], &mut [T], Stop, usize) -> Result<Vec<Kernel>, SolveError>;
 type Make<T, const D: usize> = fn(&Helmholtz<'_, D>, Options) -> Result<Solver<T, D>, SolveError>;
 

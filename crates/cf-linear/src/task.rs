@@ -1,8 +1,9 @@
 //! One solve in unit size: A/scale · y = b/unit - means, whichever way the plan goes.
 //!
-//! Passes besides the iterations: 3 at the start (b twice, r), 2 for the true residual at the end (b, y), 2 for the result.
+//! Passes besides the iterations: 3 at the start (b twice, r), 2 for the true residual at the end (b, y), 2 for the result. A b that is
+//! formed anew takes what forming it reads instead.
 
-use cf_grid::{Layout, Max, Real, Run};
+use cf_grid::{Layout, Max, Real};
 
 use crate::chebyshev;
 use crate::deflate::Deflation;
@@ -12,6 +13,7 @@ use crate::level::LevelOperator;
 use crate::multigrid::Cycle;
 use crate::norms::{Norms, norms, residual_norms, row_largest};
 use crate::pcg::{self, Vectors};
+use crate::rhs::Rhs;
 
 /// When a solve is done, in the units of the caller.
 #[derive(Debug, Clone, Copy)]
@@ -38,152 +40,10 @@ impl Goal {
     }
 }
 
-/// A right-hand side as the solver sees it: `unit` times smaller, zero in solid cells, without the constants.
-pub(crate) struct Rhs<'a, T> {
-    pub b: &'a [T],
-    pub fluid: Option<&'a [bool]>,
-    /// A power of two, so that scaling is exact.
-    pub unit: f64,
-    /// Means of the scaled right-hand side, by component.
-    pub means: &'a mut [f64],
-    /// Sum of b, where it is known and finite.
-    sum: Option<f64>,
-}
-
-impl<'a, T: Real> Rhs<'a, T> {
-    /// Chooses the unit; `None` if a value is not finite. `means` is for what is taken out, zeros now.
-    pub fn new<const D: usize>(
-        layout: &Layout<D>,
-        b: &'a [T],
-        fluid: Option<&'a [bool]>,
-        means: &'a mut [f64],
-    ) -> Option<Self> {
-        let (sum, largest) = match fluid {
-            None => {
-                let (sum, largest): (f64, Max) = layout.par_runs(
-                    layout.cells_region(),
-                    (),
-                    #[inline(always)]
-                    |run, ()| {
-                        let (_, sum, largest) = residual_norms(run.row(b));
-                        (sum, largest)
-                    },
-                );
-                (Some(sum).filter(|s| s.is_finite()), largest.0)
-            }
-            Some(fluid) => {
-                let largest: Max = layout.par_runs(
-                    layout.cells_region(),
-                    (),
-                    #[inline(always)]
-                    |run, ()| {
-                        let values = run.row(b).iter().zip(run.row(fluid)).filter(|(_, f)| **f);
-                        values.fold(Max(0.0), |m, (v, _)| cf_grid::Reduce::merge(m, Max(v.f64().abs())))
-                    },
-                );
-                (None, largest.0)
-            }
-        };
-        largest.is_finite().then(|| Self { b, fluid, unit: unit_of(largest), means, sum })
-    }
-
-    /// Writes a row of it; the mean of a whole box is left out, rounded once.
-    #[inline(always)]
-    fn fill<const D: usize>(&self, deflation: &Deflation, run: &Run<'_, D>, r: &mut [T]) {
-        let inverse = 1.0 / self.unit;
-        let whole = if let (Deflation::Whole, [mean]) = (deflation, &*self.means) { *mean } else { 0.0 };
-        for (r, &b) in r.iter_mut().zip(run.row(self.b)) {
-            *r = T::of(b.f64() * inverse - whole);
-        }
-        if let Some(fluid) = self.fluid {
-            for (r, &fluid) in r.iter_mut().zip(run.row(fluid)) {
-                *r = if fluid { *r } else { T::ZERO };
-            }
-        }
-    }
-
-    /// Writes it to `r`; `self.means` are left out.
-    pub fn load<const D: usize>(&self, layout: &Layout<D>, deflation: &Deflation, r: &mut [T]) -> Norms {
-        let (square, sum, largest): (f64, f64, Max) = layout.par_runs(
-            layout.cells_region(),
-            &mut *r,
-            #[inline(always)]
-            |run, r: &mut [T]| {
-                self.fill(deflation, &run, r);
-                residual_norms(r)
-            },
-        );
-        if let Deflation::Components(_) = deflation {
-            deflation.scale_and_shift(layout, r, 1.0, |i| -self.means[i]);
-        }
-        Norms { two: square.sqrt(), largest: largest.0, sum, solution: 0.0, weighted: None }
-    }
-
-    /// Writes it to `r` after taking the means out of it.
-    pub fn load_deflated<const D: usize>(&mut self, layout: &Layout<D>, deflation: &Deflation, r: &mut [T]) -> Norms {
-        match deflation {
-            Deflation::None => self.load(layout, deflation, r),
-            Deflation::Whole => {
-                let inverse = 1.0 / self.unit;
-                let sum = self.sum.map_or_else(
-                    || {
-                        layout.par_runs(
-                            layout.cells_region(),
-                            (),
-                            #[inline(always)]
-                            |run, ()| scaled_sum(run.row(self.b), inverse),
-                        )
-                    },
-                    |sum| sum * inverse,
-                );
-                self.means[0] = sum / layout.count() as f64;
-                let loaded = self.load(layout, deflation, r);
-                // Rounding leaves a mean where the constant is far larger than the rest.
-                if loaded.sum.abs() <= f64::EPSILON * loaded.largest * layout.count() as f64 {
-                    return loaded;
-                }
-                deflation.project(layout, r, |i, left| self.means[i] += left);
-                norms(layout, r)
-            }
-            Deflation::Components(_) => {
-                self.load(layout, deflation, r);
-                // Twice: the second mean is what rounding left of the first.
-                for _ in 0..2 {
-                    deflation.project(layout, r, |i, mean| self.means[i] += mean);
-                }
-                norms(layout, r)
-            }
-        }
-    }
-
-    /// Largest constant that was taken out.
-    pub fn offset(&self) -> f64 {
-        self.means.iter().fold(0.0, |m, v| v.abs().max(m))
-    }
-}
-
-/// Sum of scale · b: b itself may add up to infinity.
-fn scaled_sum<T: Real>(b: &[T], scale: f64) -> f64 {
-    let mut lanes = [0.0; 8];
-    let chunks = b.chunks_exact(8);
-    let tail: f64 = chunks.remainder().iter().map(|v| v.f64() * scale).sum();
-    for c in chunks {
-        for (lane, v) in lanes.iter_mut().zip(c) {
-            *lane += v.f64() * scale;
-        }
-    }
-    lanes.iter().sum::<f64>() + tail
-}
-
-/// The largest power of two that is at most `largest`, within the range whose inverse is finite.
-fn unit_of(largest: f64) -> f64 {
-    if largest > 0.0 { 2f64.powi((largest.log2().floor() as i32).clamp(-1022, 1023)) } else { 1.0 }
-}
-
 /// A loaded right-hand side with everything that says how far to go.
 pub(crate) struct Task<'a, T, const D: usize> {
     pub layout: Layout<D>,
-    pub rhs: Rhs<'a, T>,
+    pub rhs: Rhs<'a, T, D>,
     pub deflation: &'a Deflation,
     pub goal: Goal,
     /// The goal's norm in units.

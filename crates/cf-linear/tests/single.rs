@@ -176,7 +176,7 @@ fn tiny_coefficients_are_a_matter_of_units() {
             let mut y = vec![0.0; b.len()];
             let mut solver = Solver::<f32, 2>::new(&case.helmholtz(), options()).unwrap();
             let mut parts = Deviation::default();
-            solver.solve_deviation(&b, &mut y, Stop::Relative(1e-5), &mut parts).unwrap();
+            solver.solve_deviation(&&b[..], &mut y, Stop::Relative(1e-5), &mut parts).unwrap();
             (y, parts.factor * case.kappa)
         });
         assert!((parts[0].1 / parts[1].1 - 1.0).abs() < 1e-12);

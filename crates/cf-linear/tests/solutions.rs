@@ -115,7 +115,7 @@ fn check_poisson<const D: usize>(case: &Case<D>, what: &str) {
         let mut solver = Solver::<f64, D>::new(&case.helmholtz(), Options { precision, ..Default::default() }).unwrap();
         let mut y = vec![0.0; case.layout.slots()];
         let mut parts = Deviation::default();
-        let done = solver.solve_deviation(&b, &mut y, Stop::Relative(1e-11), &mut parts);
+        let done = solver.solve_deviation(&&b[..], &mut y, Stop::Relative(1e-11), &mut parts);
         done.unwrap_or_else(|e| panic!("{what}: {e}"));
         solver.finish(&mut y, &parts);
         let residual = case.gather(&b) - case.dense() * case.gather(&y);

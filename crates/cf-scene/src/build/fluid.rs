@@ -168,19 +168,24 @@ fn walls<const D: usize>(
     Ok(sides)
 }
 
+/// The scheme of cf-fluid that a scene names.
+pub(crate) fn scheme(flow: FlowScheme) -> Scheme {
+    match flow {
+        FlowScheme::Auto => Scheme::Auto,
+        FlowScheme::Cnp => Scheme::Cnp,
+        FlowScheme::ReflectionExtrapolated => Scheme::ReflectionExtrapolated,
+        FlowScheme::Draft => Scheme::Draft,
+        FlowScheme::CentralRk4 => Scheme::CentralRk4,
+    }
+}
+
 fn flow_settings<const D: usize>(spec: &scene::Fluid, numerics: &Numerics) -> Result<FlowSettings<D>, BuildError> {
     let buoyancy = match &spec.buoyancy {
         Some(one) => Some(Buoyancy { strength: one.strength, reference: one.reference, up: array(&one.up)? }),
         None => None,
     };
     Ok(FlowSettings {
-        scheme: match numerics.flow {
-            FlowScheme::Auto => Scheme::Auto,
-            FlowScheme::Cnp => Scheme::Cnp,
-            FlowScheme::ReflectionExtrapolated => Scheme::ReflectionExtrapolated,
-            FlowScheme::Draft => Scheme::Draft,
-            FlowScheme::CentralRk4 => Scheme::CentralRk4,
-        },
+        scheme: scheme(numerics.flow),
         eta_div: numerics.eta_div,
         precision: numerics.precision.cycles(),
         force: array(&spec.force)?,

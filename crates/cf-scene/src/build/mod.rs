@@ -4,6 +4,7 @@ mod coverage;
 mod diffusion;
 mod flow;
 mod fluid;
+pub(crate) use fluid::scheme;
 mod shown;
 mod single_field;
 mod stepper;

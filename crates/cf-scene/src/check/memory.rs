@@ -1,11 +1,13 @@
 //! How much memory a scene will take, before it takes any.
 
 use super::Checker;
+use crate::build::scheme;
 use crate::error::Detail;
 use crate::pace::Pace;
 use crate::scene::{Fluid, Model, Scene, TimeStep};
 use crate::solid::Solid;
-use crate::spec::{Flow, FlowScheme, Integrator, Medium, Precision};
+use crate::spec::{Flow, Integrator, Medium, Precision, Shape, SourceSpec};
+use cf_fluid::Scheme;
 
 /// What a run may use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,17 +73,26 @@ impl Scene {
         let prescribed = matches!(model.medium, Medium::Analytic(Flow::Rotation { .. } | Flow::Deformation { .. }));
         add("phi", 1.0, word);
         add("q_C", flux, word);
-        add("sources", if model.sources.is_empty() { 0.0 } else { 1.0 }, word);
+        add("sources", self.share_of_sources(&model.sources), word);
         add("velocity", if prescribed { d } else { 0.0 }, word);
-        if model.fluid.is_some() {
-            let kept = matches!(self.numerics.flow, FlowScheme::Auto | FlowScheme::Cnp);
-            let stages = if self.numerics.flow == FlowScheme::CentralRk4 { 2.0 * d } else { 0.0 };
-            add("flow: u, u before, next u, stages", 3.0 * d + stages, word);
-            let twice = matches!(self.numerics.flow, FlowScheme::Auto | FlowScheme::ReflectionExtrapolated);
-            let potentials = if twice { 2.0 } else { 1.0 };
-            add("flow: pressure and potentials", if kept { 1.0 + potentials } else { potentials }, word);
-            add("flow: levels of the solver", 0.5, word);
-            add("solver vectors and buffers that flow, transport and diffusion take in turn", 5.0, word);
+        // x and b of the coarser levels, a quarter or an eighth of the cells each.
+        let levels = if self.grid.dimension() == 2 { 0.7 } else { 0.35 };
+        if let Some(fluid) = &model.fluid {
+            let scheme = scheme(self.numerics.flow);
+            let stages = if scheme == Scheme::CentralRk4 { 2.0 * d } else { 0.0 };
+            add("flow: u, u before, stages", if scheme.keeps_before() { 2.0 * d } else { d } + stages, word);
+            let pressure = if scheme.keeps_pressure() { 1.0 } else { 0.0 };
+            add("flow: pressure and potentials", pressure + scheme.potentials() as f64, word);
+            // Solves take four; a velocity is in the making while phi is carried, or two while it carries itself.
+            let lifted = if fluid.buoyancy.is_some() { 4.0 + d } else { 4.0 };
+            let shared = match scheme {
+                Scheme::Cnp => lifted,
+                Scheme::Auto => f64::max(lifted, 2.0 * d),
+                Scheme::ReflectionExtrapolated => f64::max(4.0, 2.0 * d),
+                Scheme::Draft | Scheme::CentralRk4 => 4.0 + d,
+            };
+            let taken = "velocities, solver vectors and buffers that flow, transport and diffusion take in turn";
+            add(taken, shared + levels, word);
             let walls = !Solid::of(self).is_empty() || model.fluid.as_ref().is_some_and(Fluid::holds);
             add("flow: face weights on all levels, masks", if walls { d + 7.0 } else { 0.0 }, word);
         }
@@ -89,7 +100,7 @@ impl Scene {
         let own = model.fluid.is_none();
         let buffers = if own && moves && integrator != Some(Integrator::Characteristic) { 2.0 } else { 0.0 };
         add("advection buffers", buffers, word);
-        let solver = if own { 5.5 } else { 0.5 };
+        let solver = if own { 4.0 + levels } else { 0.0 };
         match integrator {
             None | Some(Integrator::Kdk) => add("step buffer", 1.0, word),
             Some(Integrator::Characteristic) => add("step buffers", 2.0, word),
@@ -112,6 +123,23 @@ impl Scene {
         add("face weights and diagonal", if Solid::of(self).is_empty() { 0.0 } else { d + 1.0 }, word);
         add("output", 1.0, 4);
         MemoryTable { rows }
+    }
+}
+
+impl Scene {
+    /// The share of a field that the planes of its sources take.
+    fn share_of_sources(&self, sources: &[SourceSpec]) -> f64 {
+        let last = self.grid.dimension() - 1;
+        let (start, length) = (self.grid.origin[last], self.grid.extent[last]);
+        let bounds = sources.iter().filter(|source| source.rate.is_some()).map(|source| match &source.shape {
+            Shape::Gaussian { .. } => (start, start + length),
+            shape => shape.bounds(last),
+        });
+        let (low, high) =
+            bounds.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), (low, high)| (l.min(low), h.max(high)));
+        // One plane more on either side.
+        let planes = (high - low) / self.grid.spacing + 3.0;
+        if low <= high { (planes / self.grid.cells[last] as f64).min(1.0) } else { 0.0 }
     }
 }
 

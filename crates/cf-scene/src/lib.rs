@@ -47,6 +47,7 @@ mod coarse;
 mod error;
 mod experiment;
 mod frames;
+mod kept;
 mod ledger;
 mod measure;
 mod model;

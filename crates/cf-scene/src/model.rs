@@ -32,6 +32,10 @@ pub(crate) trait Model {
     fn arrays(&self, fields: &[Field]) -> Result<Vec<Array<'_>>, OutputError>;
     /// `phi` cell by cell, x fastest.
     fn phi(&self) -> Vec<f64>;
+    /// `phi` and the slow flux at the end, where they are wanted, without a copy beside all else that the model holds.
+    fn end(self: Box<Self>, phi: bool, flux: bool) -> (Option<Vec<f64>>, Option<Vec<Vec<f64>>>) {
+        (phi.then(|| self.phi()), flux.then(|| self.flux()))
+    }
     /// `phi` on a layer of cells, the first remaining axis fastest.
     fn layer(&self, slice: Slice) -> Vec<f64>;
     /// The slow flux, one array per axis; empty without memory.

@@ -5,6 +5,7 @@ use crate::build::build;
 use crate::checkpoint;
 use crate::cloud;
 use crate::frames::{self, Frames};
+use crate::kept::Kept;
 use crate::ledger::Ledger;
 use crate::model::{Model, StepFailure};
 use crate::pace::{Leg, MOST_STEPS, Pace};
@@ -45,11 +46,11 @@ pub(crate) struct Needs {
 }
 
 /// What a run leaves in memory.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Evidence {
     pub time: f64,
-    pub phi: Option<Vec<f64>>,
-    pub flux: Option<Vec<Vec<f64>>>,
+    pub phi: Option<Kept>,
+    pub flux: Option<Vec<Kept>>,
     pub half: Option<Vec<f64>>,
     /// The front at every frame, where it was asked for.
     pub fronts: Vec<Front>,
@@ -378,10 +379,16 @@ impl Running<'_> {
             false => None,
         };
         let Needs { phi, flux, .. } = runner.needs;
+        let folder = runner.options.write.then_some(&*runner.options.out);
+        let kept = |numbers| {
+            let unkept = |source| OutputError::Io { path: runner.options.out.clone(), action: "keep phi in", source };
+            Kept::new(numbers, folder).map_err(|error| runner.output(unkept(error)))
+        };
+        let (phi, flux) = model.end(phi, flux);
         let evidence = Evidence {
             time: ledger.time,
-            phi: phi.then(|| model.phi()),
-            flux: flux.then(|| model.flux()),
+            phi: phi.map(kept).transpose()?,
+            flux: flux.map(|axes| axes.into_iter().map(kept).collect()).transpose()?,
             half: ledger.half,
             fronts: ledger.fronts,
         };

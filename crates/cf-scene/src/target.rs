@@ -63,7 +63,8 @@ struct Rung {
 
 impl Rung {
     fn of(scene: &Scene, outcome: &Outcome, before: Option<&Rung>) -> Rung {
-        let phi = outcome.evidence.phi.clone().unwrap_or_default();
+        // What cannot be read again differs from everything.
+        let phi = outcome.evidence.phi.as_ref().and_then(|phi| phi.get().ok()).unwrap_or_default();
         let difference = before.map(|coarse| coarse.off_from(&phi, &scene.grid.cells));
         Rung { cells: scene.grid.cells.clone(), steps: outcome.summary.steps, phi, difference }
     }

@@ -253,6 +253,19 @@ impl<T: Number, const D: usize> Model for DiffusionModel<T, D> {
         values
     }
 
+    fn end(self: Box<Self>, phi: bool, flux: bool) -> (Option<Vec<f64>>, Option<Vec<Vec<f64>>>) {
+        let Self { grid, stepper, .. } = *self;
+        let (field, parts) = stepper.into_fields();
+        let values = phi.then(|| {
+            let mut values = Vec::with_capacity(grid.layout().count());
+            grid.layout().each_cell(grid.layout().cells_region(), |at| values.push(field[at.slot()].f64()));
+            values
+        });
+        drop(field);
+        let wide = |axis: CellField<T>| axis.iter().map(|value| value.f64()).collect();
+        (values, flux.then(|| parts.into_iter().map(wide).collect()))
+    }
+
     fn layer(&self, slice: Slice) -> Vec<f64> {
         let layout = self.grid.layout();
         let mut region = layout.cells_region();

@@ -4,7 +4,6 @@ mod coverage;
 mod diffusion;
 mod flow;
 mod fluid;
-pub(crate) use fluid::scheme;
 mod shown;
 mod single_field;
 mod stepper;
@@ -18,6 +17,7 @@ use cf_diffusion::{LawError, MediumError, StepError};
 use cf_fluid::FlowError;
 use cf_grid::GridError;
 use diffusion::DiffusionModel;
+pub(crate) use fluid::scheme;
 pub(crate) use shown::Shown;
 use single_field::SingleFieldModel;
 

@@ -169,6 +169,19 @@ impl<T: Number, const D: usize> Stepper<T, D> {
         }
     }
 
+    /// phi and the parts of the flux, out of everything else.
+    pub fn into_fields(self) -> (CellField<T>, Vec<CellField<T>>) {
+        let of_state = |state: State<T, D>| {
+            let flux = state.slow_flux.map(|mut flux| flux.fields_mut().each_mut().map(std::mem::take));
+            (state.phi, flux.into_iter().flatten().collect())
+        };
+        match self {
+            Stepper::Split(split) => of_state(split.state),
+            Stepper::Front(along) => (along.state.phi, along.state.flux.into_iter().collect()),
+            Stepper::Coupled(carried) => of_state(carried.state),
+        }
+    }
+
     /// The velocity of the medium.
     pub fn velocity(&self) -> Velocity<'_, T, D> {
         let medium = match self {

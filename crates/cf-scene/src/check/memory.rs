@@ -8,6 +8,7 @@ use crate::scene::{Fluid, Model, Scene, TimeStep};
 use crate::solid::Solid;
 use crate::spec::{Flow, Integrator, Medium, Precision, Shape, SourceSpec};
 use cf_fluid::Scheme;
+use cf_output::Volume;
 
 /// What a run may use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -121,7 +122,10 @@ impl Scene {
             4,
         );
         add("face weights and diagonal", if Solid::of(self).is_empty() { 0.0 } else { d + 1.0 }, word);
-        add("output", 1.0, 4);
+        // Files are written row by row; a cloud has at most `Volume::MOST` voxels along an axis.
+        let (most, longest) = (Volume::MOST, self.grid.cells.iter().copied().max().unwrap_or(1));
+        let voxels = (1.0 / longest.div_ceil(most) as f64).powi(3);
+        add("voxels of pictures", if self.output.volume.is_some() { 2.0 * voxels } else { 0.0 }, 4);
         MemoryTable { rows }
     }
 }

@@ -7,6 +7,7 @@ mod sample;
 
 pub(crate) use reach::Upstream;
 
+use crate::kept::Kept;
 use crate::run::{Evidence, Front, Needs};
 use crate::scene::Scene;
 use crate::spec::{Claim, ClaimSource, Direction, Kind, Quantity, Statement};
@@ -306,8 +307,12 @@ fn find<'r, 'a>(runs: &'r [Run<'a>], name: &str) -> Result<&'r Run<'a>, String> 
 }
 
 fn phi(run: &Run<'_>) -> Result<Sample, String> {
-    let phi = run.2.phi.clone().ok_or_else(|| format!("the end of run `{}` was not kept", run.1.name))?;
-    Ok(Sample::new(&run.0.grid, phi))
+    let phi = run.2.phi.as_ref().ok_or_else(|| format!("the end of run `{}` was not kept", run.1.name))?;
+    Ok(Sample::new(&run.0.grid, had(phi, run)?))
+}
+
+fn had(kept: &Kept, run: &Run<'_>) -> Result<Vec<f64>, String> {
+    kept.get().map_err(|error| format!("the end of run `{}` cannot be read again: {error}", run.1.name))
 }
 
 fn measure(quantity: Quantity, run: &Run<'_>) -> Result<f64, String> {
@@ -348,6 +353,9 @@ fn differing(a: &Run<'_>, b: &Run<'_>) -> Result<usize, String> {
     if one.len() != other.len() {
         return Err("only one of the runs has a flux with memory".into());
     }
-    let fluxes: usize = one.iter().zip(other).map(|(a, b)| count(a, b)).sum();
-    Ok(count(&phi(a)?.phi, &phi(b)?.phi) + fluxes)
+    let mut differ = count(&phi(a)?.phi, &phi(b)?.phi);
+    for (one, other) in one.iter().zip(other) {
+        differ += count(&had(one, a)?, &had(other, b)?);
+    }
+    Ok(differ)
 }

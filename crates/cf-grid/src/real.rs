@@ -50,10 +50,16 @@ pub trait Real:
     fn max(self, other: Self) -> Self;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
+    /// The same slice, if these are `f32`.
+    fn f32s(x: &[Self]) -> Option<&[f32]>;
+    /// The same slice, if these are `f64`.
+    fn f64s(x: &[Self]) -> Option<&[f64]>;
+    /// The same slice, if U is this type.
+    fn same<U: Real>(x: &[U]) -> Option<&[Self]>;
 }
 
 macro_rules! real {
-    ($t:ident) => {
+    ($t:ident, $slices:ident, $f32s:expr, $f64s:expr) => {
         impl Real for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -83,8 +89,17 @@ macro_rules! real {
             fn is_finite(self) -> bool {
                 $t::is_finite(self)
             }
+            fn f32s(x: &[Self]) -> Option<&[f32]> {
+                $f32s(x)
+            }
+            fn f64s(x: &[Self]) -> Option<&[f64]> {
+                $f64s(x)
+            }
+            fn same<U: Real>(x: &[U]) -> Option<&[Self]> {
+                U::$slices(x)
+            }
         }
     };
 }
-real!(f32);
-real!(f64);
+real!(f32, f32s, Some, |_| None);
+real!(f64, f64s, |_| None, Some);

@@ -32,7 +32,11 @@ impl<T: Real, const D: usize> Engine<T, D> {
                 Self::Same { multigrid: Box::new(Multigrid::new(helmholtz)), z: CellField::new(helmholtz.layout()) }
             }
             (Plan::Multigrid, Precision::Single) => Self::Single {
-                multigrid: Box::new(Multigrid::new(helmholtz)),
+                multigrid: Box::new(if T::NAME == f32::NAME {
+                    Multigrid::new(helmholtz)
+                } else {
+                    Multigrid::new(helmholtz).with_copies()
+                }),
                 operator: operator(),
                 z: CellField::new(helmholtz.layout()),
             },

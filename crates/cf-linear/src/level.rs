@@ -119,6 +119,18 @@ impl<T: Real, const D: usize> LevelOperator<T, D> {
         )
     }
 
+    /// x·A x. The rim of `x` is overwritten along periodic axes.
+    pub fn energy(&self, x: &mut [T]) -> f64 {
+        let negative: f64 = self.deficit(
+            x,
+            #[inline(always)]
+            |_, b| b.fill(T::ZERO),
+            #[inline(always)]
+            |[x, _, r]: [&[T]; 3]| row_dot(x, r),
+        );
+        -negative
+    }
+
     /// What `finish` makes of x, diagonal · x and b - A x, chunk by chunk, without storing them: `fill` writes b. The rim
     /// of `x` is overwritten along periodic axes.
     pub fn deficit<S: Reduce>(

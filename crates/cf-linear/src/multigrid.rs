@@ -24,8 +24,10 @@ pub(crate) struct Multigrid<T, const D: usize> {
     steps: Vec<Step<T, D>>,
     coarser: Vec<Level<T, D>>,
     coarsest: Option<CoarseSolver<D>>,
-    /// Right-hand side and scratch of the finest level; empty where that is fused.
+    /// Of the finest level where that is not fused: a copy of right-hand sides of another precision, and scratch. Empty where they are
+    /// not needed.
     own: [CellField<T>; 2],
+    copies: bool,
     work: Work<T>,
 }
 
@@ -97,16 +99,29 @@ impl<T: Real, const D: usize> Multigrid<T, D> {
             threads: (0..threads).map(|_| vec![T::ZERO; length]).collect(),
             sums: vec![Products::default(); planes],
         };
-        let mut made = Self { finest, steps, coarser, coarsest, own: Default::default(), work };
+        let mut made = Self { finest, steps, coarser, coarsest, own: Default::default(), copies: false, work };
         made.each_vector(|layout, vector| *vector = CellField::new(layout));
         made
     }
 
+    /// Ready for right-hand sides of another precision.
+    pub fn with_copies(mut self) -> Self {
+        self.copies = true;
+        let layout = self.finest.layout;
+        if self.own[0].is_empty() && self.steps.first().is_none_or(|s| s.fused.is_none()) {
+            self.own[0] = CellField::new(&layout);
+        }
+        self
+    }
+
     /// Calls `f` with every vector that the cycle needs, and its layout.
     pub fn each_vector(&mut self, mut f: impl FnMut(&Layout<D>, &mut CellField<T>)) {
-        let Self { finest, steps, coarser, own, .. } = self;
-        if steps.first().is_none_or(|s| s.fused.is_none()) {
-            own.iter_mut().for_each(|vector| f(&finest.layout, vector));
+        let Self { finest, steps, coarser, own: [copy, scratch], copies, .. } = self;
+        if *copies && steps.first().is_none_or(|s| s.fused.is_none()) {
+            f(&finest.layout, copy);
+        }
+        if steps.first().is_some_and(|s| s.fused.is_none()) {
+            f(&finest.layout, scratch);
         }
         for (l, Level { operator, x, b, scratch, second }) in coarser.iter_mut().enumerate() {
             let plain = steps.get(l + 1).is_some_and(|s| s.fused.is_none());
@@ -140,7 +155,7 @@ impl<T: Real, const D: usize> Multigrid<T, D> {
 
     /// The finest operator and the cycle over it, borrowed apart.
     pub(crate) fn split(&mut self) -> (&LevelOperator<T, D>, Cycle<'_, T, D>) {
-        let Self { finest, steps, coarser, coarsest, own, work } = self;
+        let Self { finest, steps, coarser, coarsest, own, work, .. } = self;
         (finest, Cycle { finest, steps, coarser, coarsest, own, work })
     }
 }
@@ -175,17 +190,26 @@ impl<T: Real, const D: usize> Cycle<'_, T, D> {
         let layout = finest.layout;
         let cells = layout.cells_region();
         let [copy, scratch] = &mut **own;
-        layout.par_runs(
-            cells,
-            &mut copy[..],
-            #[inline(always)]
-            |run, copy: &mut [T]| {
-                for (copy, &b) in copy.iter_mut().zip(run.row(b)) {
-                    *copy = T::of(b.f64() * scale);
+        let b = match T::same(b) {
+            Some(b) if scale == 1.0 => b,
+            _ => {
+                if copy.is_empty() {
+                    *copy = CellField::new(&layout);
                 }
-            },
-        );
-        cycle(finest, steps, coarser, coarsest, copy, x, scratch, work);
+                layout.par_runs(
+                    cells,
+                    &mut copy[..],
+                    #[inline(always)]
+                    |run, copy: &mut [T]| {
+                        for (copy, &b) in copy.iter_mut().zip(run.row(b)) {
+                            *copy = T::of(b.f64() * scale);
+                        }
+                    },
+                );
+                copy
+            }
+        };
+        cycle(finest, steps, coarser, coarsest, b, x, scratch, work);
         if let Deflation::Components(_) = deflation {
             deflation.project(&layout, x, |_, _| ());
         }
@@ -195,10 +219,10 @@ impl<T: Real, const D: usize> Cycle<'_, T, D> {
             #[inline(always)]
             |run, ()| {
                 let x = run.row(x);
-                (row_dot(run.row(copy), x), row_sum(x))
+                (row_dot(run.row(b), x), row_sum(x))
             },
         );
-        Products { bx, xax: finest.apply(x, scratch), x: sum }
+        Products { bx, xax: finest.energy(x), x: sum }
     }
 
     /// The parts of [`run`](Self::run) against the clock: the two fused sweeps and what is below them, or the cycle as a whole. `size` is

@@ -93,7 +93,7 @@ const CASES: &[Case] = &[
         name: "smoke_sphere",
         scene: "smoke_sphere",
         sets: &[
-            "grid.cells=(16, 32, 16)",
+            "grid.cells=(20, 28, 20)",
             "run.until=3",
             "run.every=3",
             "accuracy.level=Standard",

@@ -19,12 +19,12 @@ fn main() -> Result<(), OutputError> {
     sorted.sort_by(f64::total_cmp);
     let high = sorted.get(sorted.len() * 99 / 100).copied().unwrap_or(1.0);
     let array = Array::per_cell(read.name.clone(), cells, values);
-    let volume = Volume::new(&array, image.origin, image.spacing, [0.0, high])?;
+    let volume = Volume::new(&array, image.origin, image.spacing)?;
     let look = match rest.first().map(String::as_str) {
         Some("ink") => Look::ink(),
         Some("fire") => Look { material: Material::FIRE, ..Look::default() },
         _ => Look::default(),
     };
     let time = image.time.map(|t| format!("t = {t:.2} s")).unwrap_or_default();
-    render(&volume, &Look { title: read.name.clone(), time, ..look })?.write_png(Path::new(out))
+    render(&volume, &Look { title: read.name.clone(), time, range: [0.0, high], ..look })?.write_png(Path::new(out))
 }

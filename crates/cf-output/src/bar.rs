@@ -2,7 +2,7 @@
 
 use crate::axes::{Axis, AxisScale};
 use crate::canvas::Canvas;
-use crate::color::{ColorRange, Display, Rgb};
+use crate::color::{ColorRange, Display, Palette, Rgb};
 use crate::font;
 use crate::picture::{LABEL, Style, TICK};
 use crate::surface::{Anchor, Pen, Surface};
@@ -26,6 +26,7 @@ pub fn color_bar(style: &Style, range: [f64; 2], height: usize) -> Canvas {
     let width = BAR + 9.0 + labels + if title.is_empty() { 4.0 } else { 12.0 + LABEL + 6.0 };
     let theme = style.theme;
     let mut canvas = Canvas::new(width as usize, (height + 2.0 * BAR_MARGIN) as usize, theme.background());
+    let palette = Palette::new(style.map, style.display, range);
     let middle = 0.5 * (1.0 + BAR);
     for (end, y, tip) in [(0, BAR_MARGIN + height, ARROW), (1, BAR_MARGIN, -ARROW)] {
         if style.clipped[end] {
@@ -34,13 +35,13 @@ pub fn color_bar(style: &Style, range: [f64; 2], height: usize) -> Canvas {
             let arrow =
                 |width: f64, tip: f64| [[middle - half(width), y], [middle + half(width), y], [middle, y + tip]];
             canvas.convex(&arrow(BAR + 1.0, tip), theme.ink());
-            canvas.convex(&arrow(BAR - 3.0, 0.75 * tip), style.map.at(end as f64));
+            canvas.convex(&arrow(BAR - 3.0, 0.75 * tip), palette.at(end as f64));
         }
     }
     for y in 0..height as usize {
         let t = 1.0 - (y as f64 + 0.5) / height;
         let row = BAR_MARGIN + y as f64;
-        canvas.rectangle([1.0, row, BAR, row + 1.0], style.map.at(t), 1.0);
+        canvas.rectangle([1.0, row, BAR, row + 1.0], palette.at(t), 1.0);
     }
     frame(&mut canvas, [1.0, BAR_MARGIN, BAR, BAR_MARGIN + height], theme.ink());
     for tick in &axis.ticks {
@@ -56,8 +57,10 @@ pub fn color_bar(style: &Style, range: [f64; 2], height: usize) -> Canvas {
 
 fn bar_axis(style: &Style, range: [f64; 2], height: f64) -> Axis {
     let scale = if matches!(style.display, Display::Log(_)) { AxisScale::Log } else { AxisScale::Linear };
-    let mut axis = Axis::new(scale, range, (height / 70.0).clamp(2.0, 8.0) as usize);
-    // A gamma crowds the ticks of one end; keep those that have room.
+    // Zero lies somewhere between, so that both sides of it need ticks.
+    let apart = if range[0] < 0.0 && matches!(style.display, Display::Power(_)) { 35.0 } else { 70.0 };
+    let mut axis = Axis::new(scale, range, (height / apart).clamp(2.0, 12.0) as usize);
+    // A power crowds the ticks of one end; keep those that have room.
     let mut last = f64::INFINITY;
     axis.ticks.retain(|tick| {
         let y = height * style.display.position(tick.value, range);

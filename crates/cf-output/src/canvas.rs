@@ -81,6 +81,39 @@ impl Canvas {
         })
     }
 
+    /// Reads a PNG that [`write_png`](Self::write_png) wrote.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] if it cannot be read, [`OutputError::Damaged`] if it is no such picture.
+    pub fn read_png(path: &Path) -> Result<Self, OutputError> {
+        let io = |source| OutputError::Io { path: path.to_owned(), action: "read", source };
+        let damaged = |reason: String| OutputError::damaged(path, reason);
+        let file = std::io::BufReader::new(std::fs::File::open(path).map_err(io)?);
+        let mut reader = png::Decoder::new(file).read_info().map_err(|error| damaged(error.to_string()))?;
+        let (width, height) = (reader.info().width as usize, reader.info().height as usize);
+        let rgb = reader.output_color_type() == (png::ColorType::Rgb, png::BitDepth::Eight);
+        if !rgb || width.max(height) > MAX_SIDE {
+            return Err(damaged(format!("{width} x {height} pixels; red, green and blue of 8 bits are read")));
+        }
+        let mut pixels = vec![0; 3 * width * height];
+        reader.next_frame(&mut pixels).map_err(|error| damaged(error.to_string()))?;
+        Ok(Self { width, height, pixels })
+    }
+
+    /// Half as wide and high, by means of two pixels by two; an odd last row or column is dropped.
+    pub fn halved(&self) -> Self {
+        let mut half = Self::new(self.width / 2, self.height / 2, [0; 3]);
+        for y in 0..self.height / 2 {
+            for x in 0..self.width / 2 {
+                let four =
+                    [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| self.get(2 * x + i, 2 * y + j).unwrap_or_default());
+                let mean = |c: usize| (four.iter().map(|pixel| u32::from(pixel[c])).sum::<u32>() + 2) / 4;
+                half.set(x, y, std::array::from_fn(|c| mean(c) as u8));
+            }
+        }
+        half
+    }
+
     fn blend(&mut self, x: usize, y: usize, color: Rgb, alpha: f64) {
         let at = 3 * (x + self.width * y);
         for (old, new) in self.pixels[at..at + 3].iter_mut().zip(color) {
@@ -262,6 +295,12 @@ mod tests {
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
         reader.next_frame(&mut pixels).unwrap();
         assert_eq!(pixels, canvas.pixels());
+        assert_eq!(Canvas::read_png(&path).unwrap(), canvas);
+        assert!(Canvas::read_png(&dir.path().join("none.png")).is_err());
+        std::fs::write(dir.path().join("b.png"), b"not a picture").unwrap();
+        assert!(Canvas::read_png(&dir.path().join("b.png")).is_err());
+        let half = canvas.halved();
+        assert_eq!((half.width(), half.height(), half.get(2, 2)), (10, 5, Some([133, 138, 143])));
         assert_eq!(canvas.get(2, 3), Some([10, 20, 30]));
         assert_eq!(canvas.get(5, 3), Some(WHITE));
     }

@@ -21,7 +21,13 @@ pub enum ColorMap {
     BlueRed,
     /// Purple through white to green; for signed quantities.
     PurpleGreen,
+    /// Black at zero, wherever that is in the range; above it [`Inferno`](Self::Inferno), below it teal to pale ice, equal
+    /// sizes about equally bright. For plumes that may dip below zero.
+    FireIce,
 }
+
+/// What is below zero on [`ColorMap::FireIce`], from zero on.
+const ICE: [Rgb; 5] = [[0, 0, 4], [0, 50, 66], [0, 112, 122], [58, 186, 172], [216, 255, 240]];
 
 impl ColorMap {
     /// The colour at `t`, cut to 0..1.
@@ -35,8 +41,19 @@ impl ColorMap {
             Self::Grey => colorous::GREYS.eval_continuous(1.0 - t),
             Self::BlueRed => colorous::RED_BLUE.eval_continuous(1.0 - t),
             Self::PurpleGreen => colorous::PURPLE_GREEN.eval_continuous(t),
+            Self::FireIce if t < 0.5 => return between(&ICE, 1.0 - 2.0 * t),
+            Self::FireIce => colorous::INFERNO.eval_continuous(2.0 * t - 1.0),
         };
         [color.r, color.g, color.b]
+    }
+
+    /// The colour at `t` of a range in which zero is at `zero`: on [`FireIce`](Self::FireIce) the longer side of zero takes
+    /// a whole half of the map, and the other as much of its half as it is long.
+    pub(crate) fn around(self, t: f64, zero: f64) -> Rgb {
+        match self {
+            Self::FireIce => self.at(0.5 + 0.5 * (t - zero) / zero.max(1.0 - zero)),
+            _ => self.at(t),
+        }
     }
 }
 
@@ -102,6 +119,8 @@ pub enum Display {
     Log(u32),
     /// By a power of the position in the range; below 1 lifts small values.
     Gamma(f64),
+    /// By a power of the size of the value, its sign kept; below 1 lifts small values on both sides of zero.
+    Power(f64),
 }
 
 impl Display {
@@ -123,12 +142,56 @@ impl Display {
         match self {
             Self::Linear => even,
             Self::Gamma(gamma) if gamma.is_finite() && gamma > 0.0 => even.powf(gamma),
-            Self::Gamma(_) => even,
+            Self::Power(power) if power.is_finite() && power > 0.0 => {
+                // By the larger end, so that no power overflows.
+                let largest = low.abs().max(high.abs());
+                let lifted = |v: f64| (v.abs() / largest).powf(power).copysign(v);
+                let place = (lifted(value) - lifted(low)) / (lifted(high) - lifted(low));
+                // Nothing can be told apart by the smallest powers.
+                if place.is_nan() && !value.is_nan() { even } else { place.clamp(0.0, 1.0) }
+            }
+            Self::Gamma(_) | Self::Power(_) => even,
             Self::Log(_) if value.is_nan() => value,
             Self::Log(_) if value <= low => 0.0,
             Self::Log(_) => ((value / low).ln() / (high / low).ln()).clamp(0.0, 1.0),
         }
     }
+}
+
+/// How the values of a range become colours.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Palette {
+    map: ColorMap,
+    display: Display,
+    range: [f64; 2],
+    zero: f64,
+}
+
+impl Palette {
+    /// For a range from [`Display::range`].
+    pub fn new(map: ColorMap, display: Display, range: [f64; 2]) -> Self {
+        Self { map, display, range, zero: display.position(0.0, range) }
+    }
+
+    /// The colour of a value that is a number.
+    pub fn of(&self, value: f64) -> Rgb {
+        self.at(self.display.position(value, self.range))
+    }
+
+    /// The colour at a position 0..1 of the range.
+    pub fn at(&self, t: f64) -> Rgb {
+        self.map.around(t, self.zero)
+    }
+}
+
+/// Between colours at equal distances, `t` from 0 to 1.
+fn between(colors: &[Rgb], t: f64) -> Rgb {
+    let place = t.clamp(0.0, 1.0) * (colors.len() - 1) as f64;
+    let low = (place as usize).min(colors.len().saturating_sub(2));
+    std::array::from_fn(|c| {
+        let (a, b) = (f64::from(colors[low][c]), f64::from(colors[low + 1][c]));
+        (a + (place - low as f64) * (b - a)).round() as u8
+    })
 }
 
 /// Colours of everything that is not data.
@@ -207,11 +270,46 @@ mod tests {
 
     #[test]
     fn the_grey_of_solid_cells_is_on_no_other_map() {
-        let maps = [ColorMap::Viridis, ColorMap::Inferno, ColorMap::Magma, ColorMap::BlueRed, ColorMap::PurpleGreen];
+        let maps = [
+            ColorMap::Viridis,
+            ColorMap::Inferno,
+            ColorMap::Magma,
+            ColorMap::BlueRed,
+            ColorMap::PurpleGreen,
+            ColorMap::FireIce,
+        ];
         for (theme, map) in [Theme::Light, Theme::Dark].into_iter().flat_map(|theme| maps.map(|map| (theme, map))) {
             let apart = |t: f64| map.at(t).iter().zip(theme.solid()).map(|(a, b)| a.abs_diff(b)).max();
             assert!((0..=1000).all(|n| apart(f64::from(n) / 1000.0) > Some(24)), "{map:?} {theme:?}");
         }
+    }
+
+    #[test]
+    fn values_below_zero_have_a_hue_of_their_own_and_the_brightness_of_their_size() {
+        let bright = |c: Rgb| 0.3 * f64::from(c[0]) + 0.6 * f64::from(c[1]) + 0.1 * f64::from(c[2]);
+        for (range, display) in [([-1.0, 4.0], Display::Power(0.5)), ([-4.0, 1.0], Display::Linear)] {
+            let palette = Palette::new(ColorMap::FireIce, display, range);
+            assert!(bright(palette.of(0.0)) < 4.0);
+            for size in [0.5, 0.75, 1.0] {
+                let [fire, ice] = [palette.of(size), palette.of(-size)];
+                assert!(fire[0] > fire[1] && ice[1] > ice[0] + 8 && ice[2] > ice[0] + 8, "{fire:?} {ice:?}");
+                assert!((bright(fire) - bright(ice)).abs() < 40.0, "{size}: {fire:?} {ice:?}");
+            }
+            let at = |v: f64| bright(palette.of(v));
+            let steps = |sign: f64| (0..20).map(move |n| sign * 0.05 * f64::from(n));
+            for sign in [1.0, -1.0] {
+                assert!(steps(sign).zip(steps(sign).skip(1)).all(|(a, b)| at(b) > at(a)), "{range:?} {sign}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_power_keeps_signs_and_lifts_both_sides_alike() {
+        let at = |v: f64| Display::Power(0.5).position(v, [-4.0, 4.0]);
+        assert!((at(1.0) - 0.75).abs() < 1e-12 && (at(-1.0) - 0.25).abs() < 1e-12 && (at(0.0) - 0.5).abs() < 1e-12);
+        let from_zero =
+            |v: f64| Display::Power(0.3).position(v, [0.0, 8.0]) - Display::Gamma(0.3).position(v, [0.0, 8.0]);
+        assert!([0.0, 0.1, 5.0, 9.0].into_iter().all(|v| from_zero(v).abs() < 1e-12));
     }
 
     #[test]
@@ -245,7 +343,7 @@ mod tests {
             for range in [ColorRange::Auto, ColorRange::Symmetric, ColorRange::Fixed(b, a)] {
                 let resolved = range.resolve([a, b]);
                 prop_assert!(resolved[0] < resolved[1], "{:?}", resolved);
-                for display in [Display::Linear, Display::Log(decades), Display::Gamma(gamma)] {
+                for display in [Display::Linear, Display::Log(decades), Display::Gamma(gamma), Display::Power(gamma)] {
                     let shown = display.range(resolved);
                     prop_assert!(shown[0] < shown[1], "{:?} {:?}", display, shown);
                     let t = display.position(v, shown);

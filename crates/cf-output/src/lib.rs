@@ -96,4 +96,4 @@ pub use series::{Series, SeriesEntry};
 pub use sheet::{contact_sheet, write_animation};
 pub use table::{Cell, Table};
 pub use text::escape;
-pub use volume::{Look, Material, Volume, render};
+pub use volume::{Look, Material, Volume, render, smooth_mask};

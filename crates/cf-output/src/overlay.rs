@@ -6,6 +6,9 @@ use crate::font;
 use crate::picture::{LABEL, Style};
 use crate::surface::{Anchor, Pen, Surface};
 
+/// The place on the map of the colour behind a line of the legend.
+const PATCH: f64 = 0.62;
+
 /// Distance of legend rows in pixels.
 pub(crate) const LEGEND_ROW: f64 = 18.0;
 
@@ -71,7 +74,7 @@ pub(crate) fn legend(canvas: &mut Canvas, style: &Style, [left, base]: [f64; 2],
         for overlay in row {
             let y = base - 0.4 * LABEL;
             // On a patch of field colour, so that a white line shows on a white page too.
-            canvas.rectangle([x, y - 7.0, x + 32.0, y + 7.0], style.map.at(0.25), 1.0);
+            canvas.rectangle([x, y - 7.0, x + 32.0, y + 7.0], style.map.at(PATCH), 1.0);
             two_tone(canvas, &[[x + 2.0, y], [x + 30.0, y]], overlay, everywhere);
             canvas.text([x + 40.0, base], &overlay.label, LABEL, style.theme.ink(), Anchor::Start, false);
             x += legend_width(overlay);

@@ -3,7 +3,7 @@
 use crate::axes::{Axis, AxisScale};
 use crate::bar::{BAR_MARGIN, SHORTEST_BAR, color_bar, frame};
 use crate::canvas::Canvas;
-use crate::color::{ColorMap, ColorRange, Display, Theme, clipped};
+use crate::color::{ColorMap, ColorRange, Display, Palette, Theme, clipped};
 use crate::font;
 use crate::overlay::{LEGEND_ROW, Overlay, legend, legend_rows, two_tone};
 use crate::plane::Plane;
@@ -169,6 +169,7 @@ fn raster(plane: &Plane, style: &Style) -> (Canvas, [f64; 2]) {
     let stretch = cells.map(|n| if n * zoom < 8 { 8_usize.div_ceil(n * zoom) } else { 1 });
     let (w, h) = (cells[0] * zoom * stretch[0], cells[1] * zoom * stretch[1]);
     let range = style.display.range(style.range.resolve(plane.range()));
+    let palette = Palette::new(style.map, style.display, range);
     let mut canvas = Canvas::new(w, h, style.theme.background());
     for y in 0..h {
         let row = cells[1] - 1 - y / (zoom * stretch[1]);
@@ -176,7 +177,7 @@ fn raster(plane: &Plane, style: &Style) -> (Canvas, [f64; 2]) {
             let color = match values[row * cells[0] + x / (zoom * stretch[0])] {
                 None => style.theme.solid(),
                 Some(value) if value.is_nan() => style.theme.missing(),
-                Some(value) => style.map.at(style.display.position(value, range)),
+                Some(value) => palette.of(value),
             };
             canvas.set(x, y, color);
         }
@@ -258,6 +259,20 @@ mod tests {
     }
 
     #[test]
+    fn cells_below_zero_are_teal_in_the_field_and_on_its_bar() {
+        let plane = Plane::new([2, 1], [0.0; 2], 1.0, vec![-1.0, 4.0]).unwrap();
+        let style = Style { map: ColorMap::FireIce, display: Display::Power(0.5), ..bare() };
+        let (pixels, _) = raster(&plane, &style);
+        let [red, green, blue] = pixels.get(10, 1).unwrap();
+        assert!(blue > red + 8 && green > red + 8);
+        let bar = color_bar(&style, [-1.0, 4.0], 300);
+        assert_eq!(bar.get(8, (BAR_MARGIN + 299.0) as usize).map(|c| c[2].abs_diff(blue) < 6), Some(true));
+        // A third of the way up, where zero is: -1 and 4 have the roots 1 and 2.
+        let zero = bar.get(8, (BAR_MARGIN + 200.0) as usize).unwrap();
+        assert!(zero.iter().all(|c| *c < 12), "{zero:?}");
+    }
+
+    #[test]
     fn solid_cells_are_grey_at_every_size_and_have_no_range() {
         let solid = |n: usize| {
             let values = (0..n * n).map(|i| if i % n < n / 2 { 1e9 } else { (i / n) as f64 });
@@ -316,6 +331,7 @@ mod tests {
             words(&|s| s.range = ColorRange::Symmetric),
             words(&|s| s.display = Display::Log(3)),
             words(&|s| s.display = Display::Gamma(0.5)),
+            words(&|s| (s.display, s.map) = (Display::Power(0.5), ColorMap::FireIce)),
             words(&|s| s.theme = Theme::Dark),
             words(&|s| s.side = 300),
             words(&|s| s.clipped = [true, false]),

@@ -20,7 +20,7 @@ pub(crate) struct Frames<'a> {
     folder: &'a Path,
     series: Option<Series>,
     spool: Option<Spool>,
-    /// Pictures of clouds, for the animation.
+    /// Volumes, for the clouds of all runs.
     clouds: Option<Spool>,
     view: Option<View>,
 }
@@ -41,9 +41,8 @@ impl<'a> Frames<'a> {
         let spool = (pictures != Pictures::Off && !ledger.finished)
             .then(|| Spool::open(spool, cells, ledger.rows.len()))
             .transpose()?;
-        let clouds = folder.join(format!(".{}.clouds", scene.run));
         let clouds = (scene.output.volume.is_some() && !ledger.finished)
-            .then(|| Spool::open(clouds, cloud::SIZE[0] * cloud::SIZE[1], ledger.rows.len()))
+            .then(|| cloud::spool(scene, folder, ledger.rows.len()))
             .transpose()?;
         Ok(Frames { scene, folder, series, spool, clouds, view })
     }
@@ -71,15 +70,8 @@ impl<'a> Frames<'a> {
         if let Some(spool) = &mut self.spool {
             spool.push(&last(self.view.as_ref(), model))?;
         }
-        if self.clouds.is_some()
-            && let Some(picture) = cloud::cloud(self.scene, model, ledger.time)?
-        {
-            let name = format!("{}_cloud_{frame:04}.png", self.scene.run);
-            picture.write_png(&self.path(&name))?;
-            ledger.files.push(name);
-            if let Some(clouds) = &mut self.clouds {
-                clouds.push(&cloud::pack(&picture))?;
-            }
+        if let Some(clouds) = &mut self.clouds {
+            clouds.push(&cloud::voxels(self.scene, model)?)?;
         }
         Ok(())
     }
@@ -115,16 +107,6 @@ impl<'a> Frames<'a> {
                 self.draw(&mut spool, ledger)?;
             }
             spool.remove()?;
-        }
-        if let Some(mut clouds) = self.clouds.take() {
-            let name = format!("{run}_cloud_animation.png");
-            if clouds.records() == ledger.rows.len() && clouds.records() > 0 {
-                write_animation(&self.path(&name), clouds.records() as u32, RATE, Theme::Light, |n| {
-                    Ok(cloud::unpack(&clouds.get(n as usize)?))
-                })?;
-                ledger.files.push(name);
-            }
-            clouds.remove()?;
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! From an experiment to its results: all runs in turn, the sheet that compares them, the claims, the summary.
 
 use crate::checkpoint;
+use crate::cloud;
 use crate::experiment::Experiment;
 use crate::measure;
 use crate::pictures::{self, Last};
@@ -73,7 +74,7 @@ pub fn perform(experiment: &Experiment, options: &Options, watch: &mut dyn Watch
     let (mut summaries, mut lasts) = (Vec::new(), Vec::new());
     for (scene, outcome) in &mut outcomes {
         let (summary, values) = (std::mem::take(&mut outcome.summary), std::mem::take(&mut outcome.last));
-        lasts.push(Last { scene, time: summary.time, values, cloud: outcome.cloud.take() });
+        lasts.push(Last { scene, time: summary.time, values, frames: std::mem::take(&mut outcome.frames) });
         summaries.push(summary);
     }
     let mut summary = Summary {
@@ -111,12 +112,12 @@ fn leave(
         sheet.write_png(&out.join(&name))?;
         summary.files.push(name);
     }
-    if let Some(sheet) = pictures::clouds(lasts) {
-        let name = format!("{}_clouds.png", options.name);
-        sheet.write_png(&out.join(&name))?;
-        // What people look at comes first.
-        summary.files.insert(0, name);
+    let clouds = cloud::draw(&options.name, out, lasts)?;
+    for (run, files) in summary.runs.iter_mut().zip(clouds.runs) {
+        run.files.extend(files);
     }
+    // What people look at comes first.
+    summary.files.splice(0..0, clouds.all);
     summary.files.push("summary.json".into());
     summary.seconds = begun.elapsed().as_secs_f64();
     let path = out.join("summary.json");

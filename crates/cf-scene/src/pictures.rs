@@ -7,16 +7,19 @@ use cf_output::{
     Canvas, ColorMap, ColorRange, Curve, Display, Join, Marker, OutputError, Plane, Plot, PlotAxis, Style, Theme,
     clipped, color_bar, common_range, contact_sheet, draw,
 };
+use std::fmt::Write;
 
 /// The brightest share of the cells that have anything is cut off by an automatic range, so that a source does not
 /// swamp its wake.
 const CUT: f64 = 0.003;
 /// What is below this share of the largest value counts as nothing.
 const NOTHING: f64 = 1e-4;
-/// Exponent of automatic ranges: lifts what is faint.
-const LIFT: f64 = 0.5;
-/// A share of negative values in the sum of |phi| beyond this makes the map a symmetric one.
-const NEGATIVE: f64 = 0.1;
+/// Exponents of automatic ranges: they lift what is faint, of several pictures on one scale as far as the faintest needs.
+const LIFT: [f64; 2] = [0.2, 0.5];
+/// Where the largest value of the faintest picture should be on a scale of several.
+const FAINTEST: f64 = 0.4;
+/// What goes below zero by this share of the largest value is given its place on the scale.
+const NEGATIVE: f64 = 1.0 / 256.0;
 
 /// How values become colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,44 +34,63 @@ impl Scale {
     pub fn of<'a>(pictures: Pictures, fields: impl Iterator<Item = &'a [f64]>) -> Scale {
         match pictures {
             Pictures::Linear { low, high } => {
-                Scale { range: [low, high], display: Display::Linear, map: ColorMap::Inferno }
+                Scale { range: [low, high], display: Display::Linear, map: ColorMap::FireIce }
             }
             Pictures::Log { low, high } => {
                 let decades = (high / low).log10().ceil().clamp(1.0, 300.0) as u32;
                 Scale { range: [low, high], display: Display::Log(decades), map: ColorMap::Inferno }
             }
-            Pictures::Off | Pictures::Auto => Scale::automatic(fields.flatten().copied()),
+            Pictures::Off | Pictures::Auto => Scale::automatic(fields),
         }
     }
 
-    fn automatic(values: impl Iterator<Item = f64>) -> Scale {
-        let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
-        let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-        let whole: f64 = values.iter().map(|value| value.abs()).sum();
-        let negative: f64 = values.iter().map(|value| -value.min(0.0)).sum();
-        values.retain(|value| value.abs() > NOTHING * largest);
-        let at = ((1.0 - CUT) * values.len() as f64) as usize;
-        let high = if at < values.len() {
-            values.select_nth_unstable_by(at, |a, b| a.abs().total_cmp(&b.abs())).1.abs()
-        } else {
-            largest
+    fn automatic<'a>(fields: impl Iterator<Item = &'a [f64]>) -> Scale {
+        let fields: Vec<Vec<f64>> =
+            fields.map(|field| field.iter().copied().filter(|value| value.is_finite()).collect()).collect();
+        let values = || fields.iter().flatten().copied();
+        let [above, below] = [values().collect(), values().map(|value| -value).collect()].map(most);
+        let low = if below > NEGATIVE * above { -round_up(below) } else { 0.0 };
+        let high = match above {
+            above if above > 0.0 => round_up(above),
+            _ if low < 0.0 => 0.0,
+            _ => 1.0,
         };
-        let high = if high > 0.0 { round_up(high) } else { 1.0 };
-        if negative > NEGATIVE * whole {
-            return Scale { range: [-high, high], display: Display::Linear, map: ColorMap::BlueRed };
-        }
-        Scale { range: [0.0, high], display: Display::Gamma(LIFT), map: ColorMap::Inferno }
+        let faintest = fields
+            .iter()
+            .map(|field| most(field.iter().map(|value| value.abs()).collect()))
+            .filter(|top| *top > 0.0)
+            .fold(f64::INFINITY, f64::min);
+        // The exponent that shows the faintest at its place, in steps that can be read.
+        let lift = FAINTEST.ln() / (faintest / high.max(-low)).min(0.999).ln();
+        let lift = if lift.is_finite() { (20.0 * lift).round() / 20.0 } else { LIFT[1] };
+        let display = Display::Power(lift.clamp(LIFT[0], LIFT[1]));
+        Scale { range: [low, high], display, map: ColorMap::FireIce }
     }
 
     fn style(self) -> Style {
         let [low, high] = self.range;
         let range = ColorRange::Fixed(low, high);
-        Style { range, display: self.display, map: self.map, quantity: "φ [P]".into(), ..Style::default() }
+        let mut quantity = String::from("φ [P]");
+        if let Display::Power(power) = self.display {
+            let _ = write!(quantity, ", colours by |φ|^{power}");
+        }
+        if low < 0.0 && self.map == ColorMap::FireIce {
+            quantity.push_str(", teal below 0");
+        }
+        Style { range, display: self.display, map: self.map, quantity, ..Style::default() }
     }
 }
 
+/// The largest value above zero, but for the few that an automatic range leaves out; 0 if there is none.
+fn most(mut values: Vec<f64>) -> f64 {
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    values.retain(|value| *value > NOTHING * largest);
+    let at = ((1.0 - CUT) * values.len() as f64) as usize;
+    if at < values.len() { *values.select_nth_unstable_by(at, f64::total_cmp).1 } else { largest }
+}
+
 /// The next number with two digits.
-fn round_up(value: f64) -> f64 {
+pub(crate) fn round_up(value: f64) -> f64 {
     let unit = 10f64.powf(value.log10().floor() - 1.0);
     if unit > 0.0 && unit.is_finite() { (value / unit).ceil() * unit } else { value }
 }
@@ -144,21 +166,12 @@ pub(crate) struct Last<'a> {
     pub scene: &'a Scene,
     pub time: f64,
     pub values: Vec<f64>,
-    /// The cloud, where the scene asks for it.
-    pub cloud: Option<Canvas>,
-}
-
-/// The clouds of all runs at their ends, side by side; `None` where there are fewer than two.
-pub(crate) fn clouds(lasts: &[Last<'_>]) -> Option<Canvas> {
-    let pictures: Vec<(Canvas, String)> =
-        // Each has its run's label in it.
-        lasts.iter().filter_map(|last| Some((last.cloud.clone()?, String::new()))).collect();
-    let columns = if pictures.len() <= 6 { pictures.len() } else { pictures.len().div_ceil(2) };
-    (pictures.len() > 1).then(|| contact_sheet(&pictures, columns, None, Theme::Light))
+    /// Numbers and times of its frames.
+    pub frames: Vec<(u32, f64)>,
 }
 
 /// Whether two boxes have one size; of lines only the length counts.
-fn alike(a: &Grid, b: &Grid) -> bool {
+pub(crate) fn alike(a: &Grid, b: &Grid) -> bool {
     if a.is_line() && b.is_line() { a.extent.first() == b.extent.first() } else { a.extent == b.extent }
 }
 
@@ -216,11 +229,24 @@ mod tests {
         values[..4000].fill(1.0);
         values[..8].fill(500.0);
         let scale = Scale::of(Pictures::Auto, [&values[..]].into_iter());
-        assert_eq!((scale.range, scale.map), ([0.0, 1.0], ColorMap::Inferno));
-        values[5000..9000].fill(-0.5);
-        assert_eq!(Scale::of(Pictures::Auto, [&values[..]].into_iter()).range, [-1.0, 1.0]);
+        assert_eq!((scale.range, scale.display), ([0.0, 1.0], Display::Power(0.5)));
+        values[5000..9000].fill(-0.25);
+        let signed = Scale::of(Pictures::Auto, [&values[..]].into_iter());
+        assert_eq!((signed.range, signed.map), ([-0.25, 1.0], ColorMap::FireIce));
+        assert!(signed.style().quantity.contains("teal below 0") && !scale.style().quantity.contains("teal"));
         assert_eq!(Scale::of(Pictures::Auto, [&[0.0; 9][..]].into_iter()).range, [0.0, 1.0]);
         assert_eq!(Scale::of(Pictures::Auto, [&[f64::NAN; 9][..]].into_iter()).range, [0.0, 1.0]);
+    }
+
+    #[test]
+    fn a_faint_run_shows_beside_a_strong_one() {
+        let fields = [[0.5; 100], [8.0; 100]];
+        let scale = Scale::of(Pictures::Auto, fields.iter().map(|field| &field[..]));
+        let Display::Power(power) = scale.display else { panic!("{:?}", scale.display) };
+        assert!((0.2..0.4).contains(&power) && (0.5f64 / 8.0).powf(power) > 0.35, "{power}");
+        assert!(scale.style().quantity.contains(&format!("^{power}")));
+        let drop = [-2.0; 9];
+        assert_eq!(Scale::of(Pictures::Auto, [&drop[..]].into_iter()).range, [-2.0, 0.0]);
     }
 
     #[test]

@@ -3,7 +3,6 @@
 use crate::backup::Backup;
 use crate::build::build;
 use crate::checkpoint;
-use crate::cloud;
 use crate::frames::{self, Frames};
 use crate::kept::Kept;
 use crate::ledger::Ledger;
@@ -18,7 +17,7 @@ use crate::stopwatch::Stopwatch;
 use crate::summary::RunSummary;
 use crate::view::View;
 use cf_diffusion::{Controller, StepError};
-use cf_output::{Canvas, OutputError};
+use cf_output::OutputError;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -75,8 +74,8 @@ pub(crate) struct Outcome {
     pub evidence: Evidence,
     /// What the sheet shows of it.
     pub last: Vec<f64>,
-    /// The cloud at its end, where files are written and the scene asks for it.
-    pub cloud: Option<Canvas>,
+    /// Numbers and times of its frames.
+    pub frames: Vec<(u32, f64)>,
 }
 
 /// One run of an experiment.
@@ -374,10 +373,7 @@ impl Running<'_> {
         let again = if *rejections > 0 { format!(" and {rejections} made again") } else { String::new() };
         watch.note(&format!("run `{name}`: {steps} steps{again} in {:.1} s; {}", seconds.total, error.words()));
         let last = frames::last(View::of(runner.scene).as_ref(), &*model);
-        let cloud = match runner.options.write {
-            true => cloud::cloud(runner.scene, &*model, ledger.time).map_err(|error| runner.output(error))?,
-            false => None,
-        };
+        let frames = ledger.rows.iter().map(|row| (row.frame, row.time)).collect();
         let Needs { phi, flux, .. } = runner.needs;
         let folder = runner.options.write.then_some(&*runner.options.out);
         let kept = |numbers| {
@@ -392,6 +388,6 @@ impl Running<'_> {
             half: ledger.half,
             fronts: ledger.fronts,
         };
-        Ok(Outcome { summary, evidence, last, cloud })
+        Ok(Outcome { summary, evidence, last, frames })
     }
 }

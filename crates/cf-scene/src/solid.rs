@@ -2,6 +2,7 @@
 
 use crate::scene::{Grid, Model, Scene};
 use crate::spec::{Axes, Shape};
+use cf_output::smooth_mask;
 use std::fmt;
 use std::sync::Arc;
 
@@ -61,6 +62,32 @@ impl<'a> Solid<'a> {
     pub fn holds(&self, centre: &[f64]) -> bool {
         self.obstacles.iter().any(|shape| shape.weight(centre, &self.grid.origin, &self.grid.extent) > 0.0)
             || self.mask.is_some_and(|mask| mask.holds(centre, self.grid))
+    }
+
+    /// A distance to the surface for pictures: of shapes as they are, of masks and of shapes without one about that of their
+    /// cells, looked at on this many voxels of the box.
+    pub fn distance(&self, voxels: [usize; 3]) -> impl Fn([f64; 3]) -> f64 + Send + Sync + use<> {
+        let (exact, rough): (Vec<Shape>, Vec<Shape>) =
+            self.obstacles.iter().cloned().partition(|shape| shape.distance(&[0.0; 3]).is_some());
+        let (origin, extent) = (&self.grid.origin, &self.grid.extent);
+        let along = |values: &[f64]| std::array::from_fn(|axis| values.get(axis).copied().unwrap_or(1.0));
+        let edges: [f64; 3] = along(extent);
+        let cells: [usize; 3] = std::array::from_fn(|axis| self.grid.cells.get(axis).copied().unwrap_or(1));
+        let by = (0..3).map(|axis| cells[axis].div_ceil(voxels[axis].max(1))).max().unwrap_or(1).max(1);
+        let spacing: [f64; 3] = std::array::from_fn(|axis| edges[axis] / cells[axis] as f64 * by as f64);
+        let low: [f64; 3] = along(origin);
+        let mask = (!rough.is_empty() || self.mask.is_some()).then(|| {
+            smooth_mask(voxels, low, spacing, &|voxel| {
+                let centre: [f64; 3] =
+                    std::array::from_fn(|axis| low[axis] + (voxel[axis] as f64 + 0.5) * spacing[axis]);
+                rough.iter().any(|shape| shape.weight(&centre, origin, extent) > 0.0)
+                    || self.mask.is_some_and(|mask| mask.holds(&centre, self.grid))
+            })
+        });
+        move |point| {
+            let shapes = exact.iter().filter_map(|shape| shape.distance(&point)).fold(f64::INFINITY, f64::min);
+            mask.as_ref().map_or(shapes, |mask| shapes.min(mask(point)))
+        }
     }
 
     /// The centre of the cells with index `i` along an axis \[m\].

@@ -120,16 +120,26 @@ pub struct ErrorSummary {
 impl ErrorSummary {
     /// The estimate in a few words.
     pub fn words(&self) -> String {
-        match (self.embedded, self.whole_run) {
-            (Some(stages), Some(whole)) => {
+        // Sums of errors as large as phi itself bound nothing: beside small sources and fronts single steps err much, and what
+        // they err fades. The stages, which see less than the whole step, tell as little then.
+        let embedded = self.embedded.filter(|stages| *stages < BOUND);
+        match (embedded, self.whole_run, self.per_step) {
+            (_, Some(whole), Some(step)) if whole >= BOUND => format!(
+                "a step errs by about {step:.1e} of phi; all of them would add up to {whole:.1e} if none faded, so this bounds nothing at the end"
+            ),
+            (Some(stages), Some(whole), _) => {
                 format!("error in time about {whole:.1e}, at most {stages:.1e} a step from its stages")
             }
-            (Some(stages), None) => format!("error in time at most {stages:.1e} a step, from its stages"),
-            (None, Some(whole)) => format!("error in time about {whole:.1e}"),
-            (None, None) => format!("no estimate of the error: {}", self.how),
+            (Some(stages), None, _) => format!("error in time at most {stages:.1e} a step, from its stages"),
+            (None, Some(whole), _) => format!("error in time about {whole:.1e}"),
+            (None, None, _) if self.embedded.is_some() => "steps too long for an estimate of the error".into(),
+            (None, None, _) => format!("no estimate of the error: {}", self.how),
         }
     }
 }
+
+/// The relative error from which on an estimate is none.
+const BOUND: f64 = 0.3;
 
 /// The way to a target.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -292,4 +302,21 @@ pub struct ClaimResult {
     pub tolerance: Option<f64>,
     /// Whether it holds.
     pub pass: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn estimates_that_bound_nothing_are_told_as_such() {
+        let words = |embedded, per_step: f64, steps: f64| {
+            ErrorSummary { embedded, per_step: Some(per_step), whole_run: Some(per_step * steps), ..Default::default() }
+                .words()
+        };
+        assert_eq!(words(None, 1e-4, 100.0), "error in time about 1.0e-2");
+        assert!(words(Some(0.02), 1e-4, 100.0).contains("at most 2.0e-2 a step from its stages"));
+        let large = words(Some(14.0), 0.02, 65.0);
+        assert!(large.starts_with("a step errs by about 2.0e-2 of phi") && large.contains("bounds nothing"), "{large}");
+    }
 }

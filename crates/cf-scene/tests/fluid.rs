@@ -438,14 +438,46 @@ fn clouds_are_drawn_in_space_and_refused_in_the_plane() {
         bytes.windows(4).filter(|chunk| *chunk == b"fcTL").count()
     };
     assert_eq!(frames("a_cloud_animation.png"), 5);
+    assert_eq!(frames("box_clouds_animation.png"), 5);
     assert!(summary.files.contains(&"box_clouds.png".to_owned()));
     assert!(summary.runs[0].files.contains(&"a_cloud_0004.png".to_owned()));
     let pixels = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
     assert_ne!(pixels("a_cloud_0000.png"), pixels("a_cloud_0004.png"));
+    assert!(summary.runs[0].files.contains(&"a_cloud_animation.png".to_owned()));
     assert!(std::fs::read_dir(folder.path()).unwrap().all(|file| !file.unwrap().path().ends_with(".a.clouds")));
+    // Without stops, the same pictures.
+    let again = tempfile::tempdir().unwrap();
+    perform(&experiment, &Options::new("box", again.path()), &mut Silent).unwrap();
+    for name in ["box_clouds.png", "b_cloud_0003.png"] {
+        assert_eq!(pixels(name), std::fs::read(again.path().join(name)).unwrap(), "{name}");
+    }
     let told = |flag: &str| unfold("box.ron", text, &[flag]).map(|_| ()).unwrap_err();
     assert!(told("output.volume.high=0.0").contains("output.volume.high: out of range"));
     assert!(told("output.volume.eye=(0.0, 100.0)").contains("output.volume.eye: out of range"));
     let flat = unfold("ink.ron", INK, &["output=(volume: (look: Ink, high: 1.0))"]).map(|_| ()).unwrap_err();
     assert!(flat.contains("a cloud needs three dimensions"), "{flat}");
+}
+
+#[test]
+fn clouds_fill_their_pictures_and_choose_their_own_range() {
+    // A puff in a corner of a large box of still air.
+    let text = r#"(
+        grid: (cells: (32, 32, 32), extent: (3.2, 3.2, 3.2)),
+        model: Diffusion(
+            law: (k: 0.001, tau: 0.0),
+            initial: [(shape: Ball(center: (0.5, 0.6, 0.5), radius: 0.3), value: 0.004)],
+        ),
+        run: (until: 0.5, frames: 1),
+        output: (pictures: Off, vtk: false, volume: (look: Smoke)),
+    )"#;
+    let covered = |flags: &[&str]| {
+        let folder = tempfile::tempdir().unwrap();
+        perform(&experiment(text, flags), &Options::new("puff", folder.path()), &mut Silent).unwrap();
+        let picture = cf_output::Canvas::read_png(&folder.path().join("main_cloud_0001.png")).unwrap();
+        let bright = picture.pixels().chunks_exact(3).filter(|pixel| pixel[1] > 150).count();
+        bright as f64 / (picture.width() * picture.height()) as f64
+    };
+    assert!(covered(&[]) > 0.15, "{}", covered(&[]));
+    assert!(covered(&["output.volume.whole=true"]) < 0.06);
+    assert!(covered(&["output.volume.high=1.0"]) < 0.01);
 }

@@ -1,4 +1,4 @@
-//! A pinhole camera that looks at the middle of a box, as near as the box fits the picture.
+//! A pinhole camera that looks at the middle of what it is to show, as near as that fits the picture.
 
 use super::Look;
 
@@ -36,12 +36,15 @@ pub(super) struct Camera {
     /// Pixels per unit of slope, and the pixel in the direction of view.
     scale: f64,
     middle: [f64; 2],
+    /// Width over height of what is shown.
+    pub aspect: f64,
 }
 
 impl Camera {
-    /// `area` is the part of the picture that the box may fill.
+    /// `area` is the part of the picture that the box, or the part of it that the look names, may fill.
     pub fn new(corners: [V3; 2], look: &Look, area: [f64; 4]) -> Self {
-        let centre: V3 = std::array::from_fn(|a| 0.5 * (corners[0][a] + corners[1][a]));
+        let shown = look.frame.unwrap_or(corners);
+        let centre: V3 = std::array::from_fn(|a| 0.5 * (shown[0][a] + shown[1][a]));
         let half: V3 = std::array::from_fn(|a| 0.5 * (corners[1][a] - corners[0][a]));
         let mut camera = Self {
             corners,
@@ -52,6 +55,7 @@ impl Camera {
             forward: [0.0; 3],
             scale: 1.0,
             middle: [0.0; 2],
+            aspect: 1.0,
         };
         let towards = camera.direction(look.eye);
         camera.eye = along(centre, DISTANCE * dot(half, half).sqrt(), towards);
@@ -66,9 +70,10 @@ impl Camera {
         }
         camera.right = unit(right);
         camera.upward = cross(camera.right, camera.forward);
-        let seen = corners_of(corners).map(|corner| camera.slope(corner));
+        let seen = corners_of(shown).map(|corner| camera.slope(corner));
         let low: [f64; 2] = std::array::from_fn(|a| seen.iter().map(|s| s[a]).fold(f64::INFINITY, f64::min));
         let high: [f64; 2] = std::array::from_fn(|a| seen.iter().map(|s| s[a]).fold(f64::NEG_INFINITY, f64::max));
+        camera.aspect = (high[0] - low[0]).max(1e-9) / (high[1] - low[1]).max(1e-9);
         let size = [area[2] - area[0], area[3] - area[1]];
         camera.scale = [0, 1]
             .map(|a| (1.0 - 2.0 * MARGIN) * size[a] / (high[a] - low[a]).max(1e-9))
@@ -159,6 +164,17 @@ mod tests {
                 let (behind, before) = camera.edges();
                 assert_eq!(behind.len() + before.len(), 12);
                 assert!(behind.len() >= 3);
+                // A part of the box fills what the box filled.
+                let part = [[1.0, 2.0, -1.0], [2.0, 3.0, 0.0]];
+                let near = Camera::new(corners, &Look { frame: Some(part), ..look }, [0.0, 30.0, 400.0, 300.0]);
+                assert!(near.scale > 1.5 * camera.scale);
+                let at = corners_of(part).map(|corner| near.pixel(corner));
+                let size = |a: usize| {
+                    let of = |f: fn(f64, f64) -> f64, start| at.iter().map(|p| p[a]).fold(start, f);
+                    of(f64::max, 0.0) - of(f64::min, f64::INFINITY)
+                };
+                assert!(at.iter().all(|p| (0.0..=400.0).contains(&p[0]) && (30.0..=300.0).contains(&p[1])));
+                assert!(size(0) > 0.85 * 400.0 || size(1) > 0.85 * 270.0);
             }
         }
     }

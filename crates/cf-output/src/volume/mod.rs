@@ -11,11 +11,13 @@
 //!
 //! [`Volume`] holds v on at most [`Volume::MOST`] voxels along an axis, blocks of cells averaged, with the optical depth
 //! towards the light on a grid as coarse as looks good. Rays march by three quarters of a voxel with trilinear
-//! interpolation and jump over empty blocks. Solid cells are an opaque surface shaded by its slope.
+//! interpolation and jump over empty blocks; fields of few voxels are refined by cubics first. Solids are an opaque surface
+//! of a material of their own, given by the distance to it and shaded by its slope.
 
 mod camera;
 mod field;
 mod march;
+mod solid;
 
 use crate::OutputError;
 use crate::canvas::{Canvas, MAX_SIDE};
@@ -23,6 +25,7 @@ use crate::color::Rgb;
 use crate::font;
 use crate::surface::{Anchor, Pen, Surface};
 pub use field::Volume;
+pub use solid::smooth_mask;
 
 use camera::Camera;
 
@@ -64,8 +67,14 @@ pub struct Look {
     pub eye: [f64; 2],
     /// Where the light is, the same way.
     pub light: [f64; 2],
+    /// Values of the field that are 0 and 1 of the material; values beyond them count as these.
+    pub range: [f64; 2],
     /// The cloud.
     pub material: Material,
+    /// The colour of solids.
+    pub solid: [f64; 3],
+    /// The low and the high corner of what is to fill the picture; the whole box unless given.
+    pub frame: Option<[[f64; 3]; 2]>,
     /// Colours behind it, top and bottom.
     pub background: [Rgb; 2],
     /// Draw the edges of the box.
@@ -74,6 +83,8 @@ pub struct Look {
     pub title: String,
     /// Top right.
     pub time: String,
+    /// Bottom left, such as what the densest cloud stands for.
+    pub note: String,
 }
 
 impl Default for Look {
@@ -83,11 +94,15 @@ impl Default for Look {
             up: 1,
             eye: [28.0, 14.0],
             light: [-50.0, 55.0],
+            range: [0.0, 1.0],
             material: Material::SMOKE,
+            solid: [0.26, 0.14, 0.085],
+            frame: None,
             background: [[20, 26, 38], [52, 60, 74]],
             edges: true,
             title: String::new(),
             time: String::new(),
+            note: String::new(),
         }
     }
 }
@@ -95,7 +110,20 @@ impl Default for Look {
 impl Look {
     /// Ink in water in front of a light wall.
     pub fn ink() -> Self {
-        Self { material: Material::INK, background: [[247, 249, 251], [214, 226, 235]], ..Self::default() }
+        Self {
+            material: Material::INK,
+            solid: [0.5, 0.42, 0.34],
+            background: [[247, 249, 251], [214, 226, 235]],
+            ..Self::default()
+        }
+    }
+
+    /// The same, `height` pixels high and as wide as what is shown needs, but no more than twice as wide or narrow as high.
+    pub fn fitted(self, volume: &Volume, height: usize) -> Self {
+        let all = [0.0, 0.0, 1.0, 1.0];
+        let aspect = Camera::new(volume.corners(), &Self { up: self.up.min(2), ..self.clone() }, all).aspect;
+        let width = height as f64 * aspect.clamp(0.5, 2.0);
+        Self { size: [width.round() as usize, height], ..self }
     }
 }
 
@@ -112,6 +140,7 @@ fn decode(number: u8) -> f64 {
 }
 
 const TITLE: f64 = 12.0;
+const NOTE: f64 = 10.0;
 const PAD: f64 = 14.0;
 
 /// Draws a volume. The same volume and look give the same picture for any number of threads.
@@ -123,17 +152,18 @@ pub fn render(volume: &Volume, look: &Look) -> Result<Canvas, OutputError> {
     let [width, height] = look.size;
     let ink = if look.background[0].iter().map(|c| u32::from(*c)).sum::<u32>() > 384 { [30, 36, 44] } else { [225; 3] };
     let heads = if look.title.is_empty() && look.time.is_empty() { 0.0 } else { TITLE + PAD };
-    let camera = Camera::new(volume.corners(), look, [0.0, heads, width as f64, height as f64]);
+    let foot = if look.note.is_empty() { 0.0 } else { NOTE + PAD };
+    let camera = Camera::new(volume.corners(), look, [0.0, heads, width as f64, height as f64 - foot]);
     let mut canvas = Canvas::new(width, height, look.background[0]);
     backdrop(&mut canvas, look.background);
-    let clip = [0.0, 0.0, width as f64, height as f64];
+    // Edges of a box that goes on beyond the picture stay clear of what is written on it.
+    let clip = [0.0, heads, width as f64, height as f64];
     let pen = |alpha: f64| Pen { alpha, ..Pen::new(1.2, ink) };
     let (behind, before) = camera.edges();
     if look.edges {
         behind.iter().for_each(|edge| canvas.line(edge, pen(0.45), clip));
     }
-    let light = camera.direction(look.light);
-    march::through(&mut canvas, volume, &camera, light, &look.material);
+    march::through(&mut canvas, &volume.prepared(look.range), &camera, look);
     if look.edges {
         before.iter().for_each(|edge| canvas.line(edge, pen(0.6), clip));
     }
@@ -143,6 +173,7 @@ pub fn render(volume: &Volume, look: &Look) -> Result<Canvas, OutputError> {
     if font::width(&look.time, TITLE) < room {
         canvas.text([width as f64 - PAD, base], &look.time, TITLE, ink, Anchor::End, false);
     }
+    canvas.text([PAD, height as f64 - PAD], &look.note, NOTE, ink, Anchor::Start, false);
     Ok(canvas)
 }
 
@@ -157,8 +188,17 @@ fn check(look: &Look) -> Result<(), OutputError> {
     if ![look.eye, look.light].as_flattened().iter().all(|angle| angle.is_finite()) {
         return refuse(format!("the eye at {:?} and the light at {:?} degrees", look.eye, look.light));
     }
+    let [low, high] = look.range;
+    if !(low.is_finite() && high.is_finite() && high > low) {
+        return refuse(format!("the range {low} to {high} is empty"));
+    }
+    if let Some([low, high]) = look.frame
+        && !(0..3).all(|a| low[a].is_finite() && high[a].is_finite() && high[a] > low[a])
+    {
+        return refuse(format!("there is nothing between the corners {low:?} and {high:?}"));
+    }
     let m = &look.material;
-    let numbers = [m.extinction, m.albedo, m.glow, [m.ambient, m.shadow, 0.0]];
+    let numbers = [m.extinction, m.albedo, m.glow, look.solid, [m.ambient, m.shadow, 0.0]];
     if !numbers.as_flattened().iter().all(|v| v.is_finite() && *v >= 0.0) {
         return refuse(format!("{m:?} has a number that is negative or not finite"));
     }
@@ -183,7 +223,7 @@ mod tests {
 
     fn slab(value: f32) -> Volume {
         let array = Array::per_cell("phi", [24, 20, 16], move |_| [value]);
-        Volume::new(&array, [0.0; 3], [0.5; 3], [0.0, 1.0]).unwrap()
+        Volume::new(&array, [0.0; 3], [0.5; 3]).unwrap()
     }
 
     fn plain(material: Material) -> Look {
@@ -234,18 +274,91 @@ mod tests {
     #[test]
     fn solids_hide_what_is_behind_them() {
         let mut volume = slab(0.0);
-        volume.set_solid(|cell| cell[2] >= 8 && (6..18).contains(&cell[0]) && (5..15).contains(&cell[1]));
+        volume.set_solid(|p| (4.0 - p[2]).max((p[0] - 6.0).abs() - 3.0).max((p[1] - 5.0).abs() - 2.5));
         let canvas = render(&volume, &plain(Material::SMOKE)).unwrap();
         let (inside, outside) = (canvas.get(32, 32).unwrap(), canvas.get(2, 32).unwrap());
         assert_ne!(inside, outside);
         assert_eq!(outside, [188; 3]);
     }
 
+    /// A ball in clear air, its light from the eye.
+    fn ball(mask: bool) -> Canvas {
+        let array = Array::per_cell("phi", [24; 3], |_| [0.0f32]);
+        let mut volume = Volume::new(&array, [0.0; 3], [0.5; 3]).unwrap();
+        let from = |p: [f64; 3]| p.map(|x| x - 6.0).iter().map(|x| x * x).sum::<f64>().sqrt() - 4.0;
+        if mask {
+            let within = move |c: [usize; 3]| from(c.map(|i| 0.5 * (i as f64 + 0.5))) <= 0.0;
+            volume.set_solid(smooth_mask([24; 3], [0.0; 3], [0.5; 3], &within));
+        } else {
+            volume.set_solid(from);
+        }
+        let look = Look { size: [200, 200], light: [0.0, 0.0], solid: [0.4, 0.2, 0.1], ..plain(Material::SMOKE) };
+        render(&volume, &look).unwrap()
+    }
+
+    #[test]
+    fn a_ball_has_the_colour_of_solids_and_darkens_smoothly_towards_its_rim() {
+        let middle = |canvas: &Canvas| canvas.get(100, 106).unwrap().map(decode);
+        for mask in [false, true] {
+            let canvas = ball(mask);
+            let [red, green, blue] = middle(&canvas);
+            // A highlight lies over it: red to green to blue as 4 to 2 to 1 without.
+            assert!(red > 1.4 * green && green > 1.2 * blue, "{red} {green} {blue}");
+            // Rings around the middle have one colour: no stairs, no blotches.
+            let centre = [100.0, 100.0];
+            let ring = |radius: f64| -> Vec<f64> {
+                let at = |n: i32| {
+                    let (sin, cos) = (f64::from(n) * 0.1).sin_cos();
+                    // As bright above as below, but for the sky; left and right alike.
+                    canvas.get((centre[0] + radius * cos) as usize, (centre[1] + radius * sin) as usize).unwrap()
+                };
+                (0..62).map(|n| decode(at(n)[0])).collect()
+            };
+            let mean = |radius: f64| ring(radius).iter().sum::<f64>() / 62.0;
+            assert!(mean(20.0) > 1.05 * mean(45.0), "{} {}", mean(20.0), mean(45.0));
+            for radius in [20.0, 45.0] {
+                let ring = ring(radius);
+                let step = ring.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
+                let most = if mask { 0.16 } else { 0.06 };
+                assert!(step < most * mean(radius), "{mask} {radius}: {step} of {}", mean(radius));
+            }
+        }
+    }
+
+    #[test]
+    fn the_edge_of_a_ball_is_no_stair() {
+        let canvas = ball(false);
+        let background = decode(188);
+        // Along a row through the rim some pixels are neither ball nor background.
+        let between = (0..200).filter(|y| {
+            (0..200).any(|x| {
+                let red = decode(canvas.get(x, *y).unwrap()[2]);
+                red > 0.25 * background && red < 0.75 * background
+            })
+        });
+        assert!(between.count() > 60);
+    }
+
+    #[test]
+    fn a_small_cloud_fills_the_picture_that_frames_it() {
+        let array =
+            Array::per_cell("phi", [40; 3], |c| [if c.iter().all(|i| (4..10).contains(i)) { 1.0f32 } else { 0.0 }]);
+        let volume = Volume::new(&array, [0.0; 3], [0.1; 3]).unwrap();
+        let share = |frame| {
+            let look = Look { frame, ..plain(Material::SMOKE) }.fitted(&volume, 100);
+            let canvas = render(&volume, &look).unwrap();
+            let met = canvas.pixels().chunks_exact(3).filter(|p| **p != [188; 3]).count();
+            met as f64 / (canvas.width() * canvas.height()) as f64
+        };
+        let [far, near] = [share(None), share(volume.extent_above(0.5))];
+        assert!(far < 0.1 && near > 0.6, "{far} {near}");
+    }
+
     #[test]
     fn the_same_picture_on_any_number_of_threads_and_odd_requests_are_refused() {
         let array = Array::per_cell("phi", [9, 30, 7], |c| [((c[0] * 7 + c[1] * 3 + c[2]) % 5) as f32]);
-        let volume = Volume::new(&array, [0.0; 3], [0.1; 3], [0.0, 4.0]).unwrap();
-        let look = Look { size: [70, 90], title: "cloud".into(), ..Look::default() };
+        let volume = Volume::new(&array, [0.0; 3], [0.1; 3]).unwrap();
+        let look = Look { size: [70, 90], range: [0.0, 4.0], title: "cloud".into(), ..Look::default() };
         let draw = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| render(&volume, &look).unwrap())
@@ -255,6 +368,8 @@ mod tests {
             Look { size: [0, 90], ..look.clone() },
             Look { up: 3, ..look.clone() },
             Look { eye: [f64::NAN, 0.0], ..look.clone() },
+            Look { range: [1.0, 1.0], ..look.clone() },
+            Look { frame: Some([[0.0; 3]; 2]), ..look.clone() },
             Look { material: Material { ambient: -1.0, ..Material::INK }, ..look.clone() },
         ] {
             assert!(render(&volume, &odd).is_err());

@@ -18,9 +18,11 @@ pub(super) fn output(check: &mut Checker<'_>, spec: &Output, dimension: usize) {
         check.require(dimension == 3, "output.volume", || {
             Detail::new("a cloud needs three dimensions").found(format!("a grid of {dimension}")).advice("remove it")
         });
-        check.require(volume.low < volume.high, "output.volume.high", || {
-            out_of_range(&format!("above low, which is {}", number(volume.low)), volume.high)
-        });
+        if let Some(high) = volume.high {
+            check.require(volume.low < high, "output.volume.high", || {
+                out_of_range(&format!("above low, which is {}", number(volume.low)), high)
+            });
+        }
         let (_, above) = volume.eye.unwrap_or_default();
         check.require((-90.0..=90.0).contains(&above), "output.volume.eye", || {
             out_of_range("(around, above) with above from -90 to 90 degrees", above)

@@ -55,11 +55,15 @@ pub enum Pictures {
 pub struct VolumeSpec {
     /// What it is made of.
     pub look: Cloud,
-    /// `phi` of the thickest cloud \[P\]; what is more looks the same.
-    pub high: f64,
+    /// `phi` of the thickest cloud \[P\]; what is more looks the same. Unless given each run has its own, at which half of
+    /// what is seen of it lies behind a cloud of optical depth 2 at most; the pictures tell it.
+    pub high: Option<f64>,
     /// `phi` that cannot be seen \[P\].
     #[serde(default)]
     pub low: f64,
+    /// Show the whole box, and not only the part of it where there ever is something to see.
+    #[serde(default)]
+    pub whole: bool,
     /// The axis that points up in the picture; y unless given.
     pub up: Option<Axis>,
     /// Where the eye is around the box, and above its middle \[degrees\].

@@ -94,6 +94,26 @@ impl Shape {
         }
     }
 
+    /// How far a point is from the surface \[m\], negative inside; `None` for a shape without one.
+    pub fn distance(&self, point: &[f64]) -> Option<f64> {
+        let coordinate = |axis: Axis| point.get(axis.index()).copied().unwrap_or(0.0);
+        match self {
+            Shape::Box { low, high } => {
+                let beyond = |(x, (low, high)): (&f64, (&f64, &f64))| (low - x).max(x - high);
+                let sides = || point.iter().zip(low.iter().zip(high.iter())).map(beyond);
+                let outside = sides().map(|side| side.max(0.0).powi(2)).sum::<f64>().sqrt();
+                Some(outside + sides().fold(f64::NEG_INFINITY, f64::max).min(0.0))
+            }
+            Shape::Ball { center, radius } => {
+                let squared: f64 = point.iter().zip(center.iter()).map(|(x, c)| (x - c).powi(2)).sum();
+                Some(squared.sqrt() - radius)
+            }
+            Shape::Below { axis, at } => Some(coordinate(*axis) - at),
+            Shape::Above { axis, at } => Some(at - coordinate(*axis)),
+            Shape::Everywhere | Shape::Gaussian { .. } | Shape::Cosine { .. } => None,
+        }
+    }
+
     /// The smallest box around the shape, or around three widths of a Gaussian, as (low, high) along an axis \[m\];
     /// unbounded ends are infinite.
     pub fn bounds(&self, axis: usize) -> (f64, f64) {
@@ -113,5 +133,24 @@ impl Shape {
             Shape::Above { axis: own, at } if own.index() == axis => (*at, everything.1),
             Shape::Below { .. } | Shape::Above { .. } => everything,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_are_negative_where_the_shape_is() {
+        let axes = |v: [f64; 3]| v.into_iter().collect::<Axes<f64>>();
+        let block = Shape::Box { low: axes([1.0, 1.0, 1.0]), high: axes([2.0, 3.0, 2.0]) };
+        assert_eq!(block.distance(&[1.5, 2.0, 1.25]), Some(-0.25));
+        assert_eq!(block.distance(&[5.0, 7.0, 1.5]), Some(5.0));
+        let ball = Shape::Ball { center: axes([0.0; 3]), radius: 2.0 };
+        assert_eq!([ball.distance(&[0.0, 1.0, 0.0]), ball.distance(&[3.0, 0.0, 4.0])], [Some(-1.0), Some(3.0)]);
+        let ground = Shape::Below { axis: Axis::Y, at: 0.5 };
+        let roof = Shape::Above { axis: Axis::Y, at: 0.5 };
+        assert_eq!([ground.distance(&[0.0, 1.0, 0.0]), roof.distance(&[0.0, 1.0, 0.0])], [Some(0.5), Some(-0.5)]);
+        assert_eq!(Shape::Everywhere.distance(&[0.0; 3]), None);
     }
 }

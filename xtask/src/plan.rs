@@ -3,8 +3,8 @@
 use crate::show;
 use cf_diffusion::{Coefficients, Law, Regime, hc, kdk_limit};
 use cf_linear::Plan;
-use cf_scene::spec::{Integrator, Precision};
-use cf_scene::{Model, Pace, Scene};
+use cf_scene::spec::{FlowScheme, Integrator, Precision};
+use cf_scene::{Model, Pace, Scene, TimeStep};
 
 /// What a run will do.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,11 +37,12 @@ pub fn plan(scene: &Scene) -> RunPlan {
     };
     let law = Law::new(law.k, law.tau, law.fourier).ok();
     let (solver, cost) = match pace.integrator {
-        Some(integrator) => solver(scene, law.as_ref(), u, integrator, pace.dt),
+        Some(integrator) => solver(scene, law.as_ref(), u, integrator, pace.likely),
         None => ("none".into(), EXACT),
     };
     let carries = pace.integrator.is_some_and(|i| i != Integrator::Characteristic);
-    let moves = if u > 0.0 && carries { transport_cost(scene) } else { 0.0 };
+    let moves = if scene.moves() && carries { transport_cost(scene, law.as_ref()) } else { 0.0 };
+    let moves = moves + flow_cost(scene);
     let numerics = &scene.numerics;
     let transport = if carries {
         format!("{:?}, splitting {:?}", numerics.advection, numerics.splitting)
@@ -57,7 +58,7 @@ pub fn plan(scene: &Scene) -> RunPlan {
         steps,
         integrator: format!("{name}: {}", pace.integrator_reason),
         solver,
-        seconds: steps * cells(scene) * (cost + moves) * 1e-9 * word(scene) + FRAME * f64::from(scene.schedule.frames),
+        seconds: steps * cells(scene) * (cost + moves) * 1e-9 * word(scene) + frames(scene),
     }
 }
 
@@ -105,9 +106,43 @@ fn solver(scene: &Scene, law: Option<&Law>, u: f64, integrator: Integrator, dt: 
     (choice, solves * cost * digits)
 }
 
-fn transport_cost(scene: &Scene) -> f64 {
-    let fields = 1 + scene.grid.dimension();
-    TRANSPORT * fields as f64
+fn transport_cost(scene: &Scene, law: Option<&Law>) -> f64 {
+    let dimension = scene.grid.dimension() as f64;
+    if scene.fluid().is_none() {
+        return TRANSPORT * (1.0 + dimension);
+    }
+    // The flux goes where phi went.
+    let flux = if law.is_some_and(Law::has_memory) { dimension } else { 0.0 };
+    TRANSPORT * (2.0 + flux) + if solid(scene) { AROUND } else { 0.0 }
+}
+
+/// What a fluid that is solved for costs: its own transport, and its projections.
+fn flow_cost(scene: &Scene) -> f64 {
+    if scene.fluid().is_none() {
+        return 0.0;
+    }
+    let fast = matches!(scene.numerics.step, TimeStep::Courant(cfl) if cfl > 1.0);
+    let (advection, projections) = match scene.numerics.flow {
+        FlowScheme::Draft => (MACCORMACK, 1.0),
+        FlowScheme::CentralRk4 => (CENTRAL, 4.0),
+        FlowScheme::ReflectionExtrapolated => (2.0 * CUBIC, 2.0),
+        FlowScheme::Auto if fast => (2.0 * CUBIC, 2.0),
+        FlowScheme::Auto | FlowScheme::Cnp => (CUBIC, 1.0),
+    };
+    let digits = 1.0 - scene.numerics.eta_div.log10();
+    advection + projections * digits * PROJECTION * if solid(scene) { 2.0 } else { 1.0 }
+}
+
+fn solid(scene: &Scene) -> bool {
+    matches!(&scene.model, Model::Diffusion(model) if model.mask.is_some() || !model.obstacles.is_empty())
+}
+
+/// Files and pictures of all frames \[s\].
+fn frames(scene: &Scene) -> f64 {
+    let output = &scene.output;
+    let fields = if output.vtk { output.fields.len() as f64 } else { 0.0 };
+    let cloud = if output.volume.is_some() { CLOUD + CLOUD_CELL * cells(scene) } else { 0.0 };
+    (1.0 + f64::from(scene.schedule.frames)) * (FRAME + cloud + FIELD * fields * cells(scene))
 }
 
 fn word(scene: &Scene) -> f64 {
@@ -122,8 +157,18 @@ const CHEBYSHEV: f64 = 60.0;
 const MULTIGRID: f64 = 200.0;
 const TRANSPORT: f64 = 25.0;
 const EXACT: f64 = 1e3;
-/// Files and pictures of a frame \[s\].
+/// The same of a velocity in space: carried by cubic interpolation, by MacCormack's, by central differences; a digit of a projection.
+const CUBIC: f64 = 200.0;
+const MACCORMACK: f64 = 550.0;
+const CENTRAL: f64 = 200.0;
+const PROJECTION: f64 = 8.0;
+/// What transport takes besides, where it may meet solids.
+const AROUND: f64 = 120.0;
+/// Pictures of a frame \[s\]; those of a cloud, and what they take for each cell; a field in a file, for each cell.
 const FRAME: f64 = 0.02;
+const CLOUD: f64 = 0.2;
+const CLOUD_CELL: f64 = 4e-7;
+const FIELD: f64 = 2e-8;
 
 impl RunPlan {
     /// Lines for a person.

@@ -44,6 +44,7 @@ mod check;
 mod checkpoint;
 mod cloud;
 mod coarse;
+mod drive;
 mod error;
 mod experiment;
 mod frames;

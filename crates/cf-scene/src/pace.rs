@@ -8,8 +8,10 @@
 //! medium are most accurate just below their stability limit, where errors in time and space cancel, so that is the step.
 //!
 //! A solved fluid finds its step as it goes: dt = min(cfl·h/max|u|, 1/√(g beta max|grad phi|)), where u counts jets and
-//! inflows that act. While it is at rest, the time in which a force moves it bounds the step, and 1/64 of the run.
+//! inflows that act. While it is at rest, the time in which a force moves it bounds the step, and 1/64 of the run. How many
+//! steps that makes is guessed from what moves it (`drive`).
 
+use crate::drive::{self, Drive};
 use crate::scene::{Diffusion, Fluid, Model, Scene, Schedule, TimeStep};
 use crate::spec::{Integrator, Level, Medium, Splitting};
 use cf_diffusion::kdk_limit;
@@ -38,6 +40,8 @@ pub struct Pace {
     pub integrator: Option<Integrator>,
     /// Why.
     pub integrator_reason: String,
+    /// What moves a fluid that finds its own step.
+    drive: Option<Drive>,
 }
 
 impl Pace {
@@ -50,22 +54,28 @@ impl Pace {
                 dt_reason: "the exact solution needs no steps between frames".into(),
                 integrator: None,
                 integrator_reason: "every Fourier mode has a closed form".into(),
+                drive: None,
             };
         };
         if let TimeStep::Adaptive(tolerance) = scene.numerics.step {
             return adaptive(scene, tolerance);
         }
+        let drive = match (scene.numerics.step, &model.fluid) {
+            (TimeStep::Courant(cfl), Some(fluid)) => Some(Drive::of(scene, fluid, cfl)),
+            _ => None,
+        };
         if let Some(integrator) = scene.numerics.integrator {
             let (dt, likely, dt_reason) = step(scene, model, integrator);
             let given = "the scene's choice".into();
-            return Pace { dt, likely, dt_reason, integrator: Some(integrator), integrator_reason: given };
+            return Pace { dt, likely, dt_reason, integrator: Some(integrator), integrator_reason: given, drive };
         }
         let waves = model.law.tau > 0.0 && model.law.fourier == 0.0;
         let (dt, likely, dt_reason) = step(scene, model, Integrator::Kdk);
         let ratio = likely / explicit_limit(scene, model);
         if waves && ratio <= MOST_EXPLICIT {
             let why = format!("pure waves (F_T = 0): explicit, at {ratio:.2} of its stability limit a step");
-            return Pace { dt, likely, dt_reason, integrator: Some(Integrator::Kdk), integrator_reason: why };
+            let integrator = Some(Integrator::Kdk);
+            return Pace { dt, likely, dt_reason, integrator, integrator_reason: why, drive };
         }
         let why = if waves {
             format!("tau is so short that explicit steps would need {ratio:.0} sub-steps each")
@@ -80,11 +90,17 @@ impl Pace {
         let blunt = scene.numerics.level == Level::Draft && !matches!(model.medium, Medium::Still);
         let integrator = if blunt { Integrator::PaperBe } else { Integrator::Sdirk2 };
         let (dt, likely, dt_reason) = step(scene, model, integrator);
-        Pace { dt, likely, dt_reason, integrator: Some(integrator), integrator_reason: why }
+        Pace { dt, likely, dt_reason, integrator: Some(integrator), integrator_reason: why, drive }
     }
 
-    /// The steps to the end of a scene, infinite where they would never get there; of adaptive steps the least number.
+    /// The steps to the end of a scene, infinite where they would never get there; of adaptive steps the least number, of a
+    /// solved fluid the likely one.
     pub fn steps(&self, scene: &Scene) -> f64 {
+        if let Some(drive) = &self.drive {
+            let legs = self.legs(scene, None);
+            let steps: f64 = legs.iter().map(|leg| (drive.steps(leg, self.dt) - 1e-6).ceil().max(1.0)).sum();
+            return scene.schedule.steps.map_or(steps, |most| steps.min(most as f64));
+        }
         let likely = Pace { dt: self.likely, ..self.clone() };
         likely.steps_of(&scene.schedule, &likely.legs(scene, None))
     }
@@ -124,6 +140,7 @@ fn adaptive(scene: &Scene, tolerance: f64) -> Pace {
         dt_reason: format!("adaptive: the relative error of a step is at most {tolerance:e}; at most {most}"),
         integrator: Some(Integrator::Sdirk2),
         integrator_reason: "its two stages tell the error by which steps are chosen".into(),
+        drive: None,
     }
 }
 
@@ -181,27 +198,28 @@ fn given(scene: &Scene, model: &Diffusion, integrator: Integrator) -> (f64, Stri
 
 /// The longest step of a solved fluid, and the one that is likely: what is known before it moves.
 fn of_a_fluid(scene: &Scene, fluid: &Fluid, cfl: f64) -> (f64, f64, String) {
-    let (h, whole) = (scene.grid.spacing, scene.schedule.until / FEWEST_STEPS);
-    let (given, pull) = (fluid.given_speed(), pull(scene, fluid));
-    let usual = if given > 0.0 { format!(", likely {:.3e} s", cfl * h / given) } else { String::new() };
-    let now = format!("{cfl} h/max|u| of each step{usual}");
+    let (h, until) = (scene.grid.spacing, scene.schedule.until);
+    let (whole, pull) = (until / FEWEST_STEPS, pull(scene, fluid));
     let free = (cfl * h / pull).sqrt();
-    let (longest, reason) = if free < whole || whole == 0.0 && free.is_finite() {
-        (free, format!("{now}; at most the time in which {pull:.3} m/s² move the fluid {cfl} cells"))
+    let (longest, bound) = if free < whole || whole == 0.0 && free.is_finite() {
+        (free, format!("at most the time in which {pull:.3} m/s² move the fluid {cfl} cells"))
     } else {
-        (whole, format!("{now}; at most 1/{FEWEST_STEPS} of the run"))
+        (whole, format!("at most 1/{FEWEST_STEPS} of the run"))
     };
-    (longest, longest.min(cfl * h / given), reason)
+    let drive = Drive::of(scene, fluid, cfl);
+    let rate = drive.rate(0.0, until, longest);
+    let likely = if rate > 0.0 { longest.min(1.0 / rate) } else { longest };
+    let speed = drive.speed(until);
+    let usual =
+        if speed > 0.0 { format!(", likely {likely:.3e} s on average, for {speed:.2} m/s") } else { String::new() };
+    (longest, likely, format!("{cfl} h/max|u| of each step{usual}; {bound}"))
 }
 
 /// The largest acceleration that is known before the run \[m/s²\]: of the force, and of what phi is given.
 fn pull(scene: &Scene, fluid: &Fluid) -> f64 {
     let force = fluid.force.iter().map(|f| f * f).sum::<f64>().sqrt();
     let (Some(buoyancy), Model::Diffusion(model)) = (&fluid.buoyancy, &scene.model) else { return force };
-    let held = model.sources.iter().filter_map(|source| source.value);
-    let values = model.initial.iter().map(|deposit| deposit.value).chain(held);
-    let reach = values.map(|value| (value - buoyancy.reference).abs()).fold(0.0, f64::max);
-    force + buoyancy.strength.abs() * reach
+    force + buoyancy.strength.abs() * drive::differing(model, buoyancy.reference)
 }
 
 fn along_one_axis(medium: &Medium) -> bool {

@@ -141,6 +141,18 @@ fn a_folder_that_cannot_be_is_exit_4() {
 }
 
 #[test]
+fn verify_takes_the_name_of_any_corner() {
+    // The last two are of diffusion; "rr" is in one name.
+    for corner in ["courant", "energy", "solids", "jets", "carried", "walls", "budget", "rr"] {
+        let line = ["verify", "--extremes", "--cases", "8", "--only", corner];
+        assert_eq!(run(&line), Exit::Fine, "{corner}");
+    }
+    // Corners are drawn with --extremes only.
+    assert_eq!(run(&["verify", "--only", "jets"]), Exit::BadInput);
+    assert_eq!(run(&["verify", "--extremes", "--only", "jest"]), Exit::BadInput);
+}
+
+#[test]
 fn questions_are_answered_with_exit_0() {
     let place = Place::new();
     let scene = scene(place.folder.path(), false);

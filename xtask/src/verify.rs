@@ -9,13 +9,14 @@ use std::time::Instant;
 /// A table by name.
 type Entry = (&'static str, fn() -> verify::Table);
 
-const TABLES: [Entry; 6] = [
+const TABLES: [Entry; 7] = [
     ("amplification", verify::amplification),
     ("orders", verify::orders),
     ("conservation", verify::conservation),
     ("iterations", verify::iterations),
     ("projector", cf_fluid::verify::projector),
     ("vortices", cf_fluid::verify::vortices),
+    ("flows", cf_fluid::verify::flows),
 ];
 
 /// Prints the tables and fails where a row does.
@@ -35,11 +36,15 @@ pub fn verify(asked: &VerifyArgs) -> Result<(), Failure> {
             failed.push(name.to_owned());
         }
     }
-    if asked.extremes && wanted("extremes") {
+    let some: Vec<&str> = if wanted("extremes") { Vec::new() } else { corners().filter(|name| wanted(name)).collect() };
+    if asked.extremes && (wanted("extremes") || !some.is_empty()) {
         count += 1;
         let begun = Instant::now();
         say!("extremes: {} random cases at the edges of the parameters, seed {}", asked.cases, asked.seed);
-        for corner in pool::within(pool::threads(None), || extremes(asked.cases, asked.seed))? {
+        for corner in pool::within(pool::threads(None), || match some.is_empty() {
+            true => extremes(asked.cases, asked.seed),
+            false => only(&some, asked.cases, asked.seed),
+        })? {
             say!("{corner}");
             if !corner.pass {
                 failed.push(format!("extremes ({})", corner.name));
@@ -50,9 +55,11 @@ pub fn verify(asked: &VerifyArgs) -> Result<(), Failure> {
     match (count, failed.as_slice()) {
         (0, _) => {
             let names: Vec<&str> = TABLES.iter().map(|(name, _)| *name).collect();
+            let corners: Vec<&str> = corners().collect();
             Err(Failure::usage(format!(
-                "there is no such table; there are {}, and extremes with --extremes",
-                names.join(", ")
+                "there is no such table; there are {}, and with --extremes also extremes, of which the corners are {}",
+                names.join(", "),
+                corners.join(", ")
             )))
         }
         (_, []) => {
@@ -69,6 +76,18 @@ fn extremes(cases: usize, seed: u64) -> Vec<verify::Corner> {
     let mut corners = verify::extremes(cases - flows, seed);
     corners.extend(cf_fluid::verify::extremes(flows, seed));
     corners
+}
+
+/// The corners of both crates.
+fn corners() -> impl Iterator<Item = &'static str> {
+    verify::corner_names().into_iter().chain(cf_fluid::verify::corner_names())
+}
+
+/// All cases at a few corners.
+fn only(names: &[&str], cases: usize, seed: u64) -> Vec<verify::Corner> {
+    let each = cases.div_ceil(names.len().max(1));
+    let one = |name: &&str| verify::corner(name, each, seed).or_else(|| cf_fluid::verify::corner(name, each, seed));
+    names.iter().filter_map(one).collect()
 }
 
 /// One case again, with its error if it has one.

@@ -1,90 +1,14 @@
-//! What the flow carries: the same as in a prescribed flow, and none of it is lost.
+//! What the flow carries, and what that takes; mass and prescribed streams are in `verify::flows`.
 
 use std::f64::consts::TAU;
 
 use cf_diffusion::{Advection, Diffusion, Integrator, Law, Medium, Settings, Source, Splitting, State};
 use cf_fluid::exact::taylor_green;
-use cf_fluid::{
-    Buoyancy, Coupled, Emission, Emitter, Flow, FlowSettings, FlowWall, Fluid, Jet, Scheme, Shape, obstacles,
-};
-use cf_grid::{Axis, FaceField, Grid, Mask, Sides, Wall};
+use cf_fluid::{Coupled, Emission, Emitter, Flow, FlowSettings, FlowWall, Fluid, Jet, Scheme, Shape, obstacles};
+use cf_grid::{Axis, Grid, Sides, Wall};
 use cf_linear::Plan;
 
-use crate::common::{Noise, random_faces};
-
-fn closed_box(eta_div: f64, scheme: Scheme, mask: Option<&Mask<2>>) -> (Grid<2>, Coupled<f64, 2>, State<f64, 2>) {
-    let grid = Grid::<2>::new([24, 20], 0.05).unwrap();
-    let law = Law::cattaneo(1e-3, 0.5).unwrap();
-    let buoyancy = Some(Buoyancy { strength: 2.0, reference: 0.0, up: [0.3, 1.0] });
-    let settings = FlowSettings { scheme, eta_div, buoyancy, ..FlowSettings::default() };
-    let fluid = Fluid::new(&grid, &Sides::all(FlowWall::Closed), mask, settings).unwrap();
-    let diffusion = Diffusion::new(&grid, &Sides::all(Wall::CLOSED), mask.cloned(), law, Settings::default()).unwrap();
-    let mut state = State::new(&grid, &law);
-    let mut noise = Noise::new(2);
-    grid.layout().each_cell(grid.layout().cells_region(), |at| {
-        let fluid = mask.is_none_or(|m| m.fluid()[at.slot()]);
-        state.phi[at.slot()] = if fluid { 1.0 + noise.next() } else { 0.0 };
-    });
-    (grid, Coupled::new(Flow::Solved(Box::new(fluid)), diffusion, &[]).unwrap(), state)
-}
-
-#[test]
-fn mass_is_constant_for_any_divergence_tolerance() {
-    let grid = Grid::<2>::new([24, 20], 0.05).unwrap();
-    let mask = obstacles(&grid, &[Shape::Sphere { center: [0.5, 0.5], radius: 0.2 }]).unwrap();
-    for mask in [None, Some(&mask)] {
-        for scheme in [Scheme::Cnp, Scheme::ReflectionExtrapolated, Scheme::Draft] {
-            for eta in [0.3, 1e-2, 1e-6] {
-                let (grid, mut coupled, mut state) = closed_box(eta, scheme, mask);
-                let before = state.mass(&grid);
-                let mut worst = 0f64;
-                for _ in 0..20 {
-                    let report = coupled.step(&mut state, 0.05).unwrap();
-                    worst = worst.max(report.flow.unwrap().divergence);
-                }
-                assert!(worst <= eta);
-                let drift = state.mass(&grid) / before - 1.0;
-                assert!(drift.abs() < 1e-12, "{scheme:?} eta {eta}: mass drifts by {drift:e}");
-                assert!(coupled.flow.fluid().unwrap().max_speed() > 0.05, "nothing moved");
-            }
-        }
-    }
-}
-
-/// The cone scene with a fluid: its velocity stays the prescribed one.
-#[test]
-fn a_solved_uniform_stream_equals_the_prescribed_one() {
-    let grid = Grid::<2>::new([24, 48], 1.0 / 24.0).unwrap();
-    let law = Law::from_hc(2.0, 1.0, 2.0, 0.0).unwrap();
-    let sides = Sides::all(Wall::Open { inflow: 0.0 });
-    let up = [0.0, 1.0];
-    let mut walls = Sides::all(FlowWall::Open(up));
-    walls.0[1] = Axis::Walls([FlowWall::Inflow(up), FlowWall::Open(up)]);
-    let settings = Settings { integrator: Integrator::Kdk, ..Settings::default() };
-    let drop = Emitter::new(Shape::Sphere { center: [0.5, 0.5], radius: 0.06 }, None, Some(Emission::Rate(1.0)));
-    let run = |flow: Flow<f64, 2>| {
-        let diffusion = Diffusion::new(&grid, &sides, None, law, settings).unwrap();
-        let mut coupled = Coupled::new(flow, diffusion, &[drop]).unwrap();
-        let mut state = State::new(&grid, &law);
-        for _ in 0..40 {
-            coupled.step(&mut state, 0.02).unwrap();
-        }
-        (state, coupled.bytes())
-    };
-    let mut start = FaceField::new(grid.layout());
-    start.axis_mut(1).fill(1.0);
-    let mut fluid = Fluid::new(&grid, &walls, None, FlowSettings::default()).unwrap();
-    fluid.set_velocity(&start).unwrap();
-    let (solved, much) = run(Flow::Solved(Box::new(fluid)));
-    let (given, little) = run(Flow::Prescribed(Medium::Uniform(up.into())));
-    assert!(much > little);
-    let largest = grid.layout().max_abs(&given.phi);
-    let mut worst = 0f64;
-    grid.layout().each_cell(grid.layout().cells_region(), |at| {
-        worst = worst.max((solved.phi[at.slot()] - given.phi[at.slot()]).abs());
-    });
-    assert!(largest > 0.05 && worst < 1e-4 * largest, "{worst:e} of {largest:e}");
-}
+use crate::common::random_faces;
 
 /// Flow and diffusion take turns with solver vectors and buffers: four arrays for all of them.
 #[test]

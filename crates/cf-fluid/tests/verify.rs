@@ -13,6 +13,11 @@ fn vortices() {
 }
 
 #[test]
+fn flows() {
+    assert_passes(verify::flows());
+}
+
+#[test]
 fn projector() {
     assert_passes(verify::projector());
 }

@@ -72,6 +72,16 @@ impl Edge {
         edges.iter().map(|edge| Corner::of(edge, each, &mut seeds)).collect()
     }
 
+    /// The names of all.
+    pub fn names(edges: &[Edge]) -> Vec<&'static str> {
+        edges.iter().map(|edge| edge.name).collect()
+    }
+
+    /// Runs `count` cases of one corner, the same for the same `seed`; `None` if there is no corner of that name.
+    pub fn run_one(edges: &[Edge], name: &str, count: usize, seed: u64) -> Option<Corner> {
+        edges.iter().find(|edge| edge.name == name).map(|edge| Corner::of(edge, count, &mut Random(seed)))
+    }
+
     /// Runs one case of a corner again; `None` if there is no corner of that name.
     pub fn repeat(edges: &[Edge], name: &str, seed: u64) -> Option<Measured> {
         edges.iter().find(|edge| edge.name == name).map(|edge| edge.case(seed))
@@ -126,6 +136,16 @@ const EDGES: [Edge; 18] = [
 /// Runs `count` cases in all, the same for the same `seed`.
 pub fn extremes(count: usize, seed: u64) -> Vec<Corner> {
     Edge::run_all(&EDGES, count, seed)
+}
+
+/// The names of the corners.
+pub fn corner_names() -> Vec<&'static str> {
+    Edge::names(&EDGES)
+}
+
+/// Runs `count` cases of one corner; `None` if there is no corner of that name.
+pub fn corner(name: &str, count: usize, seed: u64) -> Option<Corner> {
+    Edge::run_one(&EDGES, name, count, seed)
 }
 
 /// Runs one case of a corner again; `None` if there is no corner of that name.

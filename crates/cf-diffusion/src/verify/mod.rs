@@ -27,7 +27,7 @@ pub use amplification::{Precise, amplification, one_step_error};
 pub use case::{Case, Kinds};
 pub use conservation::conservation;
 pub use dense::dense_step;
-pub use extremes::{Check, Corner, Edge, extremes, repeat};
+pub use extremes::{Check, Corner, Edge, corner, corner_names, extremes, repeat};
 pub use iterations::iterations;
 pub use orders::orders;
 pub use random::Random;
@@ -69,6 +69,13 @@ impl Row {
     pub fn at_least(name: &str, parameters: String, expected: f64, tolerance: f64, found: Measured) -> Self {
         let mut row = Self::near(name, parameters, expected, tolerance, found);
         row.pass = row.measured >= expected - tolerance;
+        row
+    }
+
+    /// A value that should be `expected` within a factor of two.
+    pub fn within_two(name: &str, parameters: String, expected: f64, found: Measured) -> Self {
+        let mut row = Self::near(name, parameters, expected, expected, found);
+        row.pass &= row.measured >= 0.5 * expected;
         row
     }
 

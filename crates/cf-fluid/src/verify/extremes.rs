@@ -34,6 +34,16 @@ pub fn extremes(count: usize, seed: u64) -> Vec<Corner> {
     Edge::run_all(&EDGES, count, seed)
 }
 
+/// The names of the corners.
+pub fn corner_names() -> Vec<&'static str> {
+    Edge::names(&EDGES)
+}
+
+/// Runs `count` cases of one corner; `None` if there is no corner of that name.
+pub fn corner(name: &str, count: usize, seed: u64) -> Option<Corner> {
+    Edge::run_one(&EDGES, name, count, seed)
+}
+
 /// Runs one case of a corner again; `None` if there is no corner of that name.
 pub fn repeat(name: &str, seed: u64) -> Option<Measured> {
     Edge::repeat(&EDGES, name, seed)

@@ -2,13 +2,15 @@
 //!
 //! | function | claim |
 //! |---|---|
-//! | [`vortices`] | errors, orders and energies on Taylor and Green's vortices; the speed of a dipole |
+//! | [`vortices`] | errors, orders and energies on Taylor and Green's vortices; speed and shape of a dipole |
+//! | [`flows`](flows()) | energy in space and of random flows; a stream past a sphere; what is carried stays, and goes as in a given stream |
 //! | [`projector`] | P P = P, orthogonality, P grad = 0; held faces exact; forces that a pressure balances move nothing |
 //! | [`extremes`](extremes()) | random cases: steps from 0 to CFL_u = 1e3, boxes of one cell, pockets, jets, any eta_div |
 //!
 //! Nothing here is needed for a simulation, and nothing panics.
 
 mod extremes;
+mod flows;
 mod projector;
 mod vortices;
 
@@ -19,7 +21,8 @@ use cf_grid::{Axis, FaceField, Layout, Mask, Real, Sides};
 
 use crate::wall::FlowWall;
 
-pub use extremes::{extremes, repeat};
+pub use extremes::{corner, corner_names, extremes, repeat};
+pub use flows::{flows, random_flow};
 pub use projector::projector;
 pub use vortices::vortices;
 

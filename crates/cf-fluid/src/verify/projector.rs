@@ -124,6 +124,17 @@ pub fn projector() -> Table {
         Ok(mask) => say("16x14 with pockets, closed".into(), identities([16, 14], half(false), Some(&mask))),
         Err(why) => say("16x14 with pockets, closed".into(), Err(why.into())),
     }
+    let cave = |c: [usize; 3]| {
+        let r = c[0].abs_diff(4).max(c[1].abs_diff(4)).max(c[2].abs_diff(4));
+        r != 1 && !(c[0] == 8 && c[1] < 5)
+    };
+    let mut half_open = Sides::all(FlowWall::Closed);
+    half_open.0[2] = Axis::Walls([FlowWall::Closed, FlowWall::OPEN]);
+    let found = Grid::<3>::new([10, 9, 9], 0.3).map(|grid| Mask::new(grid.layout(), cave));
+    say(
+        "10x9x9 with a cave, closed, open".into(),
+        found.map_err(Into::into).and_then(|mask| identities([10, 9, 9], half_open, Some(&mask))),
+    );
     for scheme in [Scheme::Cnp, Scheme::ReflectionExtrapolated, Scheme::Draft, Scheme::CentralRk4] {
         rows.push(Row::at_most("layers at rest, max|u|", format!("{scheme:?}, 10 steps"), 2e-7, layers(scheme)));
         rows.push(Row::at_most("a uniform stream changes by", format!("{scheme:?}, 4 steps"), 1e-12, stream(scheme)));

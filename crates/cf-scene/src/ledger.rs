@@ -138,7 +138,7 @@ impl Ledger {
         });
     }
 
-    /// What the mass budget misses, relative to the sum of |phi| or to what was emitted.
+    /// What the mass budget misses, relative to the largest of the sum of |phi|, what was emitted, and what was there at the start.
     pub fn drift(&self, totals: Totals) -> f64 {
         let missing = totals.mass - self.start - self.emitted + self.outflow;
         let scale = totals.magnitude.max(self.emitted.abs()).max(self.start.abs());
@@ -174,5 +174,21 @@ impl Ledger {
             ])?;
         }
         Ok(table)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mass_budget_is_relative_to_the_largest_of_what_it_says() {
+        let drift = |start: f64, emitted: f64, magnitude: f64| {
+            let ledger = Ledger { start, emitted, ..Ledger::default() };
+            ledger.drift(Totals { mass: start + emitted + 1.0, magnitude, ..Totals::default() })
+        };
+        assert_eq!(drift(10.0, 0.0, 5.0), 0.1);
+        assert_eq!(drift(4.0, 10.0, 5.0), 0.1);
+        assert_eq!(drift(4.0, -2.0, 10.0), 0.1);
     }
 }

@@ -233,6 +233,9 @@ pub struct Seconds {
     pub phases: BTreeMap<String, f64>,
 }
 
+/// The storage of a solved fluid, where fields are listed.
+pub(crate) const FLOW_FIELDS: &str = "flow: velocities, pressure, solver";
+
 /// Storage of one field.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct FieldBytes {
@@ -253,7 +256,7 @@ pub struct Mass {
     pub emitted: f64,
     /// Left through the walls.
     pub outflow: f64,
-    /// (end - start - emitted + outflow) relative to the sum of |phi| (or of what was emitted, if larger).
+    /// (end - start - emitted + outflow) relative to the largest of the sum of |phi|, what was emitted, and the start.
     pub drift: f64,
 }
 
@@ -298,6 +301,8 @@ pub struct ClaimResult {
     pub measured: String,
     /// The number compared, where there is one.
     pub value: Option<f64>,
+    /// Whether that number depends on the machine and on what else it does.
+    pub of_the_machine: bool,
     /// The tolerance, where there is one.
     pub tolerance: Option<f64>,
     /// Whether it holds.

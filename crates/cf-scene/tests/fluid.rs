@@ -261,7 +261,32 @@ fn what_makes_no_flow_is_refused_where_it_stands() {
             "z: (high: Open)",
             &["model.medium.walls.z: the grid has 2 axes, so there is no wall along z"],
         ),
-        ("x: (high: Open)", "x: (high: Opne)", &["`Opne` is not one of the choices", "did you mean `Open`"]),
+        (
+            "x: (high: Open)",
+            "x: (high: Opne)",
+            &[
+                "`Opne` is not one of the choices",
+                "did you mean `Open`",
+                "write high: Inflow((1.0, 0.0)), high: Open or",
+            ],
+        ),
+        (
+            "(x: (high: Open))",
+            "Open",
+            &["model.medium.walls: `Open` is", "expected walls: (x: (low: Inflow((1.0, 0.0)),"],
+        ),
+        (
+            "x: (high: Open)",
+            "x: Open",
+            &["model.medium.walls.x: `Open` is", "expected x: (low: Inflow((1.0, 0.0)), high"],
+        ),
+        (
+            "x: (high: Open)",
+            "x: (Open, Open)",
+            &["unknown key `Open`", "write x: (low: Inflow((1.0, 0.0)), high: Open)"],
+        ),
+        ("x: (high: Open)", "x: (high: Inflow(1.0))", &["expected high: Inflow((1.0, 0.0)), high: Open or"]),
+        ("x: (high: Open)", "high: Open", &["unknown key `high`", "write walls: (x: (low: Inflow((1.0, 0.0)),"]),
         ("strength: 0.5", "reference: 0.5", &["model.medium.buoyancy: the key `strength` is missing"]),
         ("strength: 0.5", "strength: 0.5, up: (0.0, 0.0)", &["model.medium.buoyancy.up: this points nowhere"]),
         ("strength: 0.5", "strength: inf", &["model.medium.buoyancy.strength: not a finite number"]),
@@ -387,6 +412,7 @@ fn claims_about_a_fluid_hold_and_can_fail() {
         ("Within(quantity: EnergyPerWork, run: \"cnp\", high: 1.0)", no_reference, false),
         ("Within(quantity: Centre(X), run: \"cnp\", low: 0.5, high: 0.9)", no_reference, true),
         ("Within(quantity: Centre(Y), run: \"cnp\", low: 1.5)", no_reference, false),
+        ("NoPressure", no_reference, false),
     ] {
         let (holds, measured) = claimed(claim, flags);
         assert_eq!(holds, expected, "{claim}: {measured}");
@@ -400,11 +426,47 @@ fn claims_about_a_fluid_hold_and_can_fail() {
     let still = &["model.medium=Still"];
     assert!(told("Divergence(most: 1e-4)", still).contains("there is none"));
     assert!(told("FlowIterations(most: 8)", still).contains("there is none"));
+    assert!(told("Within(quantity: PeakMemory, run: \"cnp\", high: 9.0)", &[]).contains("cannot be demanded"));
+    assert!(told("Ratio(quantity: Mass, runs: (\"cnp\", \"cnp\"), high: 9.0)", &[]).contains("the same run"));
+    assert!(told("Ratio(quantity: Mass, runs: (\"cnp\", \"dratf\"), high: 9.0)", &[]).contains("runs[1]"));
     assert!(told("Divergence(most: 0.0)", &[]).contains("claims[0].statement.most: out of range"));
     assert!(told("Front(run: \"cnp\", fraction: 0.0, cells: 1)", &[]).contains("statement.fraction: out of range"));
     let fourier = &["model.law=(k: 0.1, tau: 0.0)", "sides.x.high=Open"];
     assert!(told("Front(run: \"cnp\", fraction: 0.1, cells: 1)", fourier).contains("reach every cell at once"));
     assert!(told("Within(quantity: Centre(Z), run: \"cnp\", low: 0.0)", &[]).contains("no such axis"));
+}
+
+#[test]
+fn given_media_have_no_pressure_and_runs_have_ratios() {
+    let measured = |claim: &str, kind: &str| {
+        let text = format!(
+            "(grid: (cells: (24, 24), extent: (1.0, 1.0)), sides: (x: Periodic), \
+             model: Diffusion(law: (k: 0.01, tau: 0.1, fourier: 0.5), medium: Uniform((0.5, 0.0)), \
+                 initial: [(shape: Ball(center: (0.5, 0.5), radius: 0.2), value: 1.0)]), \
+             run: (until: 0.2, frames: 1, variants: [(name: \"a\"), (name: \"b\", set: {{\"model.initial[0].value\": 2.0}})]), \
+             claims: [(name: \"it\", source: Ours, kind: {kind}, statement: {claim})])"
+        );
+        dry(&experiment(&text, &[])).claims.swap_remove(0)
+    };
+    for (claim, kind, expected) in [
+        ("NoPressure", "Must", true),
+        ("Ratio(quantity: Mass, runs: (\"b\", \"a\"), low: 1.9, high: 2.1)", "Must", true),
+        ("Ratio(quantity: Mass, runs: (\"a\", \"b\"), low: 1.9)", "Must", false),
+        ("Ratio(quantity: DiffusionSeconds, runs: (\"a\", \"b\"), low: 0.0)", "Report", true),
+        ("Within(quantity: PeakMemory, run: \"a\", high: 1e-6)", "Report", false),
+    ] {
+        let found = measured(claim, kind);
+        assert_eq!(found.pass, expected, "{claim}: {}", found.measured);
+        assert!(!found.measured.contains("not measurable"), "{claim}: {}", found.measured);
+        assert_eq!(found.of_the_machine, kind == "Report", "{claim}");
+    }
+    // What the budget is relative to is what it says.
+    let budget = measured("MassBudget(tolerance: 1e-6)", "Must");
+    assert!(
+        budget.expected.contains("sum of |phi|, what was emitted, and what was there at the start"),
+        "{}",
+        budget.expected
+    );
 }
 
 #[test]

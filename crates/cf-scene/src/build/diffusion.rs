@@ -9,7 +9,7 @@ use crate::scene::{self, Scene};
 use crate::solid::Solid;
 use crate::spec::{self, AxisSides, Field, Shape, SourceSpec};
 use crate::stopwatch::Stopwatch;
-use crate::summary::{FieldBytes, Range};
+use crate::summary::{FLOW_FIELDS, FieldBytes, Range};
 use cf_diffusion::{Law, Rate, Source, StepReport};
 use cf_grid::{Axis, CellField, FaceField, Grid, Mask, Sides, Wall};
 use cf_output::{Array, OutputError, Slice};
@@ -302,7 +302,7 @@ impl<T: Number, const D: usize> Model for DiffusionModel<T, D> {
             ("q_C", flux),
             ("sources", size_of_val(&self.rate[..])),
             ("velocity", velocity),
-            ("flow: velocities, pressure, solver", flow),
+            (FLOW_FIELDS, flow),
             ("stepper: scratch, solver, transport", self.stepper.bytes()),
         ];
         let stored = rows.into_iter().filter(|(_, bytes)| *bytes > 0);

@@ -25,6 +25,9 @@ pub(crate) fn claims(spec: &SceneSpec, merged: &Merged, runs: &[Scene], preset: 
 
 fn one(check: &mut Checker<'_>, path: &str, claim: &Claim, runs: &[Scene]) {
     let key = |name: &str| format!("{path}.{name}");
+    check.require(claim.kind != Kind::Must || !claim.statement.of_the_machine(), path, || {
+        Detail::new("what depends on the machine cannot be demanded").expected("kind: Report")
+    });
     match &claim.statement {
         Statement::ConeAngle { run, expected, tolerance, source, rows } => {
             check.positive(&key("tolerance"), *tolerance);
@@ -54,17 +57,20 @@ fn one(check: &mut Checker<'_>, path: &str, claim: &Claim, runs: &[Scene]) {
             upstream(check, path, run, *source, runs);
         }
         Statement::Within { quantity, run, low, high } => {
-            if let (Some(low), Some(high)) = (low, high) {
-                check.require(low <= high, &key("high"), || {
-                    out_of_range(&format!("at least low, which is {}", number(*low)), *high)
-                });
-            }
-            check.require(low.or(*high).is_some() || claim.kind != Kind::Must, path, || {
-                Detail::new("a claim that must hold needs `low` or `high`").advice("or make it kind: Report")
-            });
+            ends(check, path, claim, *low, *high);
             measurable(check, path, quantity, run, runs);
             if let Some(source) = source_of(quantity) {
                 upstream(check, path, run, source, runs);
+            }
+        }
+        Statement::Ratio { quantity, runs: (a, b), low, high } => {
+            ends(check, path, claim, *low, *high);
+            check.require(a != b, &key("runs"), || Detail::new("these are the same run"));
+            for run in [a, b] {
+                measurable(check, path, quantity, run, runs);
+                if let Some(source) = source_of(quantity) {
+                    upstream(check, path, run, source, runs);
+                }
             }
         }
         Statement::Monotone { quantity, runs: names, .. } => {
@@ -112,7 +118,7 @@ fn one(check: &mut Checker<'_>, path: &str, claim: &Claim, runs: &[Scene]) {
             check.positive(&key("most"), *most);
             solved(check, path, runs.iter().any(|scene| scene.fluid().is_some()));
         }
-        Statement::Iterations { .. } => {}
+        Statement::Iterations { .. } | Statement::NoPressure => {}
         Statement::FlowIterations { .. } => {
             solved(check, path, runs.iter().any(|scene| scene.fluid().is_some()));
         }
@@ -136,16 +142,31 @@ fn one(check: &mut Checker<'_>, path: &str, claim: &Claim, runs: &[Scene]) {
     }
 }
 
+/// The ends of a range.
+fn ends(check: &mut Checker<'_>, path: &str, claim: &Claim, low: Option<f64>, high: Option<f64>) {
+    if let (Some(low), Some(high)) = (low, high) {
+        check.require(low <= high, &format!("{path}.high"), || {
+            out_of_range(&format!("at least low, which is {}", number(low)), high)
+        });
+    }
+    check.require(low.or(high).is_some() || claim.kind != Kind::Must, path, || {
+        Detail::new("a claim that must hold needs `low` or `high`").advice("or make it kind: Report")
+    });
+}
+
 /// A statement about a region needs cells there: about nothing everything holds.
 fn regions(check: &mut Checker<'_>, path: &str, statement: &Statement, runs: &[Scene]) {
     let names: &[String] = match statement {
         Statement::NoUpstreamTail { run, .. } | Statement::Within { run, .. } => std::slice::from_ref(run),
         Statement::Monotone { runs, .. } => runs,
+        Statement::Ratio { runs: (a, b), .. } => &[a.clone(), b.clone()],
         _ => return,
     };
     let (source, cells) = match statement {
         Statement::NoUpstreamTail { source, cells, .. } => (*source, Some(*cells)),
-        Statement::Within { quantity, .. } | Statement::Monotone { quantity, .. } => match quantity {
+        Statement::Within { quantity, .. }
+        | Statement::Monotone { quantity, .. }
+        | Statement::Ratio { quantity, .. } => match quantity {
             Quantity::UpstreamLeak { source, cells } => (*source, Some(*cells)),
             Quantity::OutsideCone { source } => (*source, None),
             _ => return,

@@ -66,14 +66,17 @@ fn runs_of(statement: &Statement) -> Vec<(String, &str)> {
         | Statement::Front { run, .. }
         | Statement::Speed { run, .. } => vec![("run".to_owned(), run)],
         Statement::Monotone { runs, .. } => named(runs).collect(),
-        Statement::EqualBits { runs: (a, b) } => vec![("runs[0]".to_owned(), a), ("runs[1]".to_owned(), b)],
+        Statement::EqualBits { runs: (a, b) } | Statement::Ratio { runs: (a, b), .. } => {
+            vec![("runs[0]".to_owned(), a), ("runs[1]".to_owned(), b)]
+        }
         Statement::Order { runs, reference, .. } => {
             named(runs).chain([("reference".to_owned(), reference.as_str())]).collect()
         }
         Statement::MassBudget { .. }
         | Statement::Divergence { .. }
         | Statement::Iterations { .. }
-        | Statement::FlowIterations { .. } => Vec::new(),
+        | Statement::FlowIterations { .. }
+        | Statement::NoPressure => Vec::new(),
     }
 }
 
@@ -149,6 +152,8 @@ pub(super) fn source_of(quantity: &Quantity) -> Option<usize> {
         | Quantity::RadiusOfGyration
         | Quantity::RadiusAbout(_)
         | Quantity::Centre(_)
-        | Quantity::EnergyPerWork => None,
+        | Quantity::EnergyPerWork
+        | Quantity::DiffusionSeconds
+        | Quantity::PeakMemory => None,
     }
 }

@@ -11,7 +11,7 @@ use crate::kept::Kept;
 use crate::run::{Evidence, Front, Needs};
 use crate::scene::Scene;
 use crate::spec::{Claim, ClaimSource, Direction, Kind, Quantity, Statement};
-use crate::summary::{ClaimResult, FlowSummary, RunSummary};
+use crate::summary::{ClaimResult, FLOW_FIELDS, FlowSummary, RunSummary};
 use sample::Sample;
 
 /// A run with what it left.
@@ -25,6 +25,7 @@ pub(crate) fn needs(run: &str, claims: &[Claim]) -> Needs {
             Statement::ConeAngle { run: name, .. }
             | Statement::NoUpstreamTail { run: name, .. }
             | Statement::Within { run: name, .. } => needs.phi |= name == run,
+            Statement::Ratio { runs: (a, b), .. } => needs.phi |= a == run || b == run,
             Statement::Monotone { runs, .. } => needs.phi |= runs.iter().any(|name| name == run),
             Statement::EqualBits { runs: (a, b) } => {
                 let named = a == run || b == run;
@@ -36,7 +37,8 @@ pub(crate) fn needs(run: &str, claims: &[Claim]) -> Needs {
             Statement::MassBudget { .. }
             | Statement::Divergence { .. }
             | Statement::Iterations { .. }
-            | Statement::FlowIterations { .. } => {}
+            | Statement::FlowIterations { .. }
+            | Statement::NoPressure => {}
             Statement::Front { run: name, fraction, .. } if name == run => {
                 // The smallest share reaches furthest: what holds for it holds for all.
                 needs.front = Some(needs.front.map_or(*fraction, |other: f64| other.min(*fraction)));
@@ -83,6 +85,7 @@ pub(crate) fn check(claim: &Claim, runs: &[Run<'_>]) -> ClaimResult {
         expected: finding.expected,
         measured: finding.measured,
         value: finding.value,
+        of_the_machine: claim.statement.of_the_machine(),
         tolerance: finding.tolerance,
         pass: finding.pass,
     }
@@ -98,15 +101,11 @@ fn expectation(statement: &Statement) -> Finding {
             format!("|phi| at most {fraction:e} of its maximum further than {cells} cells upstream of the source"),
             Some(*fraction),
         ),
-        Statement::Within { quantity, low, high, .. } => {
-            let words = match (low, high) {
-                (Some(low), Some(high)) => format!("{} from {low} to {high}", words(quantity)),
-                (Some(low), None) => format!("{} at least {low}", words(quantity)),
-                (None, Some(high)) => format!("{} at most {high}", words(quantity)),
-                (None, None) => words(quantity),
-            };
-            (words, None)
+        Statement::Within { quantity, low, high, .. } => (format!("{}{}", words(quantity), range(*low, *high)), None),
+        Statement::Ratio { quantity, runs: (a, b), low, high } => {
+            (format!("{} of {a} divided by that of {b}{}", words(quantity), range(*low, *high)), None)
         }
+        Statement::NoPressure => ("no bytes for a flow and no projection in any run".into(), Some(0.0)),
         Statement::Monotone { quantity, runs, direction } => {
             let way = match direction {
                 Direction::Rising => "rising",
@@ -119,7 +118,8 @@ fn expectation(statement: &Statement) -> Finding {
             (format!("distance ~ {parameter:?}^{expected} within {tolerance}"), Some(*tolerance))
         }
         Statement::MassBudget { tolerance } => {
-            (format!("nothing missing beyond {tolerance:e} of the sum of |phi|"), Some(*tolerance))
+            let of = "of the largest of the sum of |phi|, what was emitted, and what was there at the start";
+            (format!("nothing missing beyond {tolerance:e} {of}"), Some(*tolerance))
         }
         Statement::Divergence { most } => {
             (format!("max|div u| dt at most {most:e} after every projection of every run"), Some(*most))
@@ -145,6 +145,15 @@ fn expectation(statement: &Statement) -> Finding {
     Finding { expected, tolerance, ..Finding::default() }
 }
 
+fn range(low: Option<f64>, high: Option<f64>) -> String {
+    match (low, high) {
+        (Some(low), Some(high)) => format!(" from {low} to {high}"),
+        (Some(low), None) => format!(" at least {low}"),
+        (None, Some(high)) => format!(" at most {high}"),
+        (None, None) => String::new(),
+    }
+}
+
 fn words(quantity: &Quantity) -> String {
     match quantity {
         Quantity::Mass => "mass [P m^D]".into(),
@@ -154,6 +163,8 @@ fn words(quantity: &Quantity) -> String {
         Quantity::RadiusAbout(axis) => format!("radius about {} [m]", ["x", "y", "z"][axis.index()]),
         Quantity::Centre(axis) => format!("mean {} of phi [m]", ["x", "y", "z"][axis.index()]),
         Quantity::EnergyPerWork => "kinetic energy per work of buoyancy and force".into(),
+        Quantity::DiffusionSeconds => "diffusion of a step [s]".into(),
+        Quantity::PeakMemory => "peak memory of the program [GB]".into(),
         Quantity::UpstreamLeak { cells, .. } => format!("share of |phi| further than {cells} cells upstream"),
         Quantity::OutsideCone { .. } => "share of |phi| out of reach of the source's signals".into(),
     }
@@ -184,9 +195,27 @@ fn statement(statement: &Statement, runs: &[Run<'_>]) -> Result<Finding, String>
         }
         Statement::Within { quantity, run, low, high } => {
             let value = measure(*quantity, find(runs, run)?)?;
-            finding.pass = low.is_none_or(|low| value >= low) && high.is_none_or(|high| value <= high);
+            finding.pass = between(value, *low, *high);
             finding.measured = number(value);
             finding.value = Some(value);
+        }
+        Statement::Ratio { quantity, runs: (a, b), low, high } => {
+            let (a, b) = (measure(*quantity, find(runs, a)?)?, measure(*quantity, find(runs, b)?)?);
+            let ratio = if b == 0.0 { return Err("the second of the two is zero".into()) } else { a / b };
+            finding.pass = between(ratio, *low, *high);
+            finding.measured = format!("{} ({} by {})", number(ratio), number(a), number(b));
+            finding.value = Some(ratio);
+        }
+        Statement::NoPressure => {
+            let of_flow = |run: &RunSummary| {
+                let stored = run.fields.iter().filter(|field| field.name == FLOW_FIELDS).map(|field| field.bytes);
+                (stored.sum::<u64>(), run.flow.as_ref().map_or(0, |flow| flow.projections.solves))
+            };
+            let (bytes, projections) =
+                runs.iter().map(|run| of_flow(run.1)).fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+            finding.pass = bytes == 0 && projections == 0;
+            finding.measured = format!("{bytes} bytes and {projections} projections in {} runs", runs.len());
+            finding.value = Some(bytes as f64);
         }
         Statement::Monotone { quantity, runs: names, direction } => {
             let values =
@@ -291,6 +320,10 @@ fn statement(statement: &Statement, runs: &[Run<'_>]) -> Result<Finding, String>
     Ok(finding)
 }
 
+fn between(value: f64, low: Option<f64>, high: Option<f64>) -> bool {
+    low.is_none_or(|low| value >= low) && high.is_none_or(|high| value <= high)
+}
+
 fn number(value: f64) -> String {
     if value != 0.0 && !(1e-3..1e5).contains(&value.abs()) { format!("{value:.3e}") } else { format!("{value:.5}") }
 }
@@ -321,6 +354,12 @@ fn measure(quantity: Quantity, run: &Run<'_>) -> Result<f64, String> {
     let share = |part: f64| if whole > 0.0 { Ok(part / whole) } else { Err("phi is zero everywhere".to_owned()) };
     match quantity {
         Quantity::Mass => Ok(run.1.mass.end),
+        Quantity::DiffusionSeconds => {
+            let seconds = run.1.seconds.phases.get("diffusion").copied().unwrap_or(0.0);
+            Ok(seconds / run.1.steps.max(1) as f64)
+        }
+        Quantity::PeakMemory if run.1.peak_memory == 0 => Err("the system does not tell".into()),
+        Quantity::PeakMemory => Ok(run.1.peak_memory as f64 / 1e9),
         Quantity::Maximum => Ok(sample.phi.iter().copied().fold(f64::NEG_INFINITY, f64::max)),
         Quantity::Minimum => Ok(sample.phi.iter().copied().fold(f64::INFINITY, f64::min)),
         Quantity::Centre(axis) => {

@@ -116,9 +116,10 @@ pub enum Statement {
         /// Of the power.
         tolerance: f64,
     },
-    /// In every run: mass at the end = mass at the start + emitted − left through the walls, relative to the sum of |phi|.
+    /// In every run: mass at the end = mass at the start + emitted − left through the walls, relative to the largest of the
+    /// sum of |phi| at the end, what was emitted, and what was there at the start.
     MassBudget {
-        /// Relative to the sum of |phi|.
+        /// Relative to the largest of the three.
         tolerance: f64,
     },
     /// In every run that solves for a fluid, and after every projection: max|div u| dt is at most this.
@@ -135,6 +136,19 @@ pub enum Statement {
     FlowIterations {
         /// The bound.
         most: usize,
+    },
+    /// No run has a pressure: no bytes for a flow, and no projection.
+    NoPressure,
+    /// A quantity of one run divided by the same of another lies in a range.
+    Ratio {
+        /// What is measured.
+        quantity: Quantity,
+        /// Over and under the line.
+        runs: (String, String),
+        /// At least.
+        low: Option<f64>,
+        /// At most.
+        high: Option<f64>,
     },
     /// At every frame, what is above a share of the largest |phi| lies no further from where it was put in than
     /// ∫ max|u| dt + c t, and some cells. For laws whose signals have a speed.
@@ -160,7 +174,19 @@ pub enum Statement {
     },
 }
 
-/// Quantities that statements compare, of the field `phi` at the end of a run.
+impl Statement {
+    /// Whether what it measures depends on the machine and on what else it does.
+    pub fn of_the_machine(&self) -> bool {
+        match self {
+            Statement::Within { quantity, .. }
+            | Statement::Monotone { quantity, .. }
+            | Statement::Ratio { quantity, .. } => quantity.of_the_machine(),
+            _ => false,
+        }
+    }
+}
+
+/// Quantities that statements compare, of the field `phi` at the end of a run unless they say otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Quantity {
@@ -179,6 +205,10 @@ pub enum Quantity {
     /// Kinetic energy of a solved fluid, as a share of the work that buoyancy and force have done. At most 1 where nothing
     /// else drives it.
     EnergyPerWork,
+    /// Wall seconds that the diffusion of a step takes. A measurement of the machine: it can be reported, not demanded.
+    DiffusionSeconds,
+    /// The most memory that the program took until the run had ended \[GB\]; the same.
+    PeakMemory,
     /// Share of the sum of |phi| further upstream than some cells from the edge of a source.
     UpstreamLeak {
         /// Which of the model's sources.
@@ -193,6 +223,13 @@ pub enum Quantity {
         #[serde(default)]
         source: usize,
     },
+}
+
+impl Quantity {
+    /// Whether it depends on the machine and on what else it does.
+    pub fn of_the_machine(&self) -> bool {
+        matches!(self, Quantity::DiffusionSeconds | Quantity::PeakMemory)
+    }
 }
 
 /// A parameter read from each run.

@@ -18,6 +18,34 @@ pub(crate) fn decode<T: DeserializeOwned>(merged: &Merged) -> Result<T, SceneErr
 }
 
 fn explain(merged: &Merged, error: SpannedError) -> SceneError {
+    let mut error = describe(merged, error);
+    if let Some(form) = form(&error.detail.path) {
+        // A name in front of brackets is no help where the form is known.
+        if error.detail.expected.as_deref().is_none_or(|words| words.starts_with("round brackets")) {
+            error.detail.expected = Some(form);
+        } else if error.detail.advice.is_none() {
+            error.detail.advice = Some(format!("write {form}"));
+        }
+    }
+    error
+}
+
+/// How the value at a path is written, where its parts alone do not tell.
+fn form(path: &str) -> Option<String> {
+    let inner = path.strip_prefix("model.medium.walls")?;
+    let mut steps = inner.split('.').skip(1);
+    let wall = "Inflow((1.0, 0.0))";
+    Some(match (steps.next(), steps.next()) {
+        (None | Some("low" | "high"), _) => format!("walls: (x: (low: {wall}, high: Open), y: (low: Closed))"),
+        (Some(axis), None) => format!("{axis}: (low: {wall}, high: Open)"),
+        (Some(_), Some(end)) => {
+            let end = end.split('[').next().unwrap_or(end);
+            format!("{end}: {wall}, {end}: Open or {end}: Closed")
+        }
+    })
+}
+
+fn describe(merged: &Merged, error: SpannedError) -> SceneError {
     let start = byte_of(&merged.text, error.span.start);
     let end = byte_of(&merged.text, error.span.end);
     match error.code {

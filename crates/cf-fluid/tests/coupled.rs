@@ -4,7 +4,9 @@ use std::f64::consts::TAU;
 
 use cf_diffusion::{Advection, Diffusion, Integrator, Law, Medium, Settings, Source, Splitting, State};
 use cf_fluid::exact::taylor_green;
-use cf_fluid::{Coupled, Emission, Emitter, Flow, FlowSettings, FlowWall, Fluid, Jet, Scheme, Shape, obstacles};
+use cf_fluid::{
+    Buoyancy, Coupled, Emission, Emitter, Flow, FlowSettings, FlowWall, Fluid, Jet, Scheme, Shape, obstacles,
+};
 use cf_grid::{Axis, Grid, Sides, Wall};
 use cf_linear::Plan;
 

@@ -357,7 +357,8 @@ mod tests {
     #[test]
     fn the_same_picture_on_any_number_of_threads_and_odd_requests_are_refused() {
         let array = Array::per_cell("phi", [9, 30, 7], |c| [((c[0] * 7 + c[1] * 3 + c[2]) % 5) as f32]);
-        let volume = Volume::new(&array, [0.0; 3], [0.1; 3]).unwrap();
+        let mut volume = Volume::new(&array, [0.0; 3], [0.1; 3]).unwrap();
+        volume.set_solid(|p| (p[0] - 0.4).hypot(p[1] - 1.5).hypot(p[2] - 0.3) - 0.25);
         let look = Look { size: [70, 90], range: [0.0, 4.0], title: "cloud".into(), ..Look::default() };
         let draw = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -3,10 +3,10 @@
 use cf_scene::progress::Silent;
 use cf_scene::{Experiment, Limits, Options, Pace, SceneFile, Set, catalog, perform};
 
-fn small(name: &str) -> Experiment {
+fn small(name: &str, cells: &str) -> Experiment {
     let scene = catalog::SCENES.iter().find(|scene| scene.name == name).unwrap();
     let sets: Vec<Set> =
-        ["grid.cells=(16, 32, 16)", "output.volume=None"].iter().map(|flag| Set::parse(flag).unwrap()).collect();
+        [&format!("grid.cells={cells}"), "output.volume=None"].iter().map(|flag| Set::parse(flag).unwrap()).collect();
     let file = SceneFile::parse(&scene.file(), scene.text).unwrap();
     file.experiment(Some("draft"), &sets, &Limits { memory: 1 << 30 }).unwrap()
 }
@@ -35,9 +35,9 @@ fn flows_at_rest_take_about_the_steps_that_are_predicted() {
     let open = "x: Walls(low: Open, high: Open), y: Walls(low: Open, high: Open)";
     let warm = "buoyancy: (strength: 4.0)";
     let cases = [
-        ("smoke_sphere", small("smoke_sphere")),
-        ("ink_sinking", small("ink_sinking")),
-        ("fig05_ink", small("fig05_ink")),
+        ("smoke_sphere", small("smoke_sphere", "(20, 28, 20)")),
+        ("ink_sinking", small("ink_sinking", "(16, 32, 16)")),
+        ("fig05_ink", small("fig05_ink", "(16, 32, 16)")),
         ("falls freely", plane("x: Periodic, y: Periodic", "force: (0.0, -2.0)", "")),
         ("falls out", plane(open, "force: (0.0, -2.0)", "")),
         ("stands", plane("", "force: (0.0, -2.0)", "")),

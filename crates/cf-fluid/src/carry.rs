@@ -150,7 +150,7 @@ impl<const D: usize> Carry<D> {
                     }
                     return;
                 }
-                let shift = feet(lattice, &self.faces, &u, ratio, cell, len);
+                let shift: [Lanes<T>; D] = feet(lattice, &self.faces, &u, ratio, cell, len);
                 let long = range_beyond(&shift, FAR);
                 for i in 0..len {
                     let value = row[i] + half * (from_row[i] - back[i]);
@@ -251,8 +251,7 @@ impl<T: Real, const D: usize, const K: usize, const N: usize> Load<'_, T, D, K, 
     /// Lattice `l` in one row of a tile.
     #[inline(always)]
     fn row(&self, l: usize, ring: &Ring<T, D>, tile: Tile, [j, k]: [usize; 2], out: &mut [T], base: usize) {
-        let (lattice, from) = (self.lattices[l], self.from[l]);
-        let region = lattice.region;
+        let region = self.lattices[l].region;
         if k >= region.high[D - 1] || (D == 3 && j >= region.high[1]) {
             return;
         }
@@ -260,29 +259,84 @@ impl<T: Real, const D: usize, const K: usize, const N: usize> Load<'_, T, D, K, 
         let last = tile.x + tile.width == self.carry.layout.cells()[0];
         let end = if last { region.high[0] } else { tile.x + tile.width };
         let mut x = tile.x;
-        while x < end {
-            let len = LANES.min(end - x);
-            let mut cell = [x as i64; D];
-            if D == 3 {
-                cell[1] = j as i64;
-            }
-            cell[D - 1] = k as i64;
-            let free = ring.of(lattice.normal, tile, x, j, k as i64, len);
-            let reach = ranges(&free);
-            let (mut shift, mut bounds) = (free, reach);
-            inside(lattice, cell, len, &mut shift, &mut bounds);
-            let mut value = fetch::<T, D, K>(lattice, from, cell, len, &shift, &bounds);
-            if K == 4
-                && let Some(near) = &self.carry.near
-            {
-                hold::<T, D, K>(lattice, near, from, cell, len, &shift, &mut value);
-            }
-            let_in(lattice, cell, len, &free, &reach, &mut value);
-            let at = slot_of(lattice, cell) - base;
-            out[at..at + len].copy_from_slice(&value[..len]);
-            x += len;
+        while end - x >= LANES {
+            self.stretch::<LANES>(l, ring, tile, [x, j, k], LANES, out, base);
+            x += LANES;
+        }
+        if x < end {
+            self.rest(l, ring, tile, [x, j, k], end, out, base);
         }
     }
+
+    /// The end of a row, from `x` up to `end`.
+    #[inline(never)]
+    #[allow(clippy::too_many_arguments)]
+    fn rest(
+        &self,
+        l: usize,
+        ring: &Ring<T, D>,
+        tile: Tile,
+        [x, j, k]: [usize; 3],
+        end: usize,
+        out: &mut [T],
+        base: usize,
+    ) {
+        vectorised(
+            #[inline(always)]
+            || {
+                for (x, len) in few(tile.x, x, end) {
+                    self.stretch::<FEW>(l, ring, tile, [x, j, k], len, out, base);
+                }
+            },
+        );
+    }
+
+    /// `len` values of lattice `l`, at most `L`, from column `x` of row `j`, plane `k`.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
+    fn stretch<const L: usize>(
+        &self,
+        l: usize,
+        ring: &Ring<T, D>,
+        tile: Tile,
+        [x, j, k]: [usize; 3],
+        len: usize,
+        out: &mut [T],
+        base: usize,
+    ) {
+        let (lattice, from) = (self.lattices[l], self.from[l]);
+        let mut cell = [x as i64; D];
+        if D == 3 {
+            cell[1] = j as i64;
+        }
+        cell[D - 1] = k as i64;
+        let free = ring.of::<L>(lattice.normal, tile, x, j, k as i64, len);
+        let reach = ranges(&free);
+        let (mut shift, mut bounds) = (free, reach);
+        inside(lattice, cell, len, &mut shift, &mut bounds);
+        let mut value = fetch::<T, D, K, L>(lattice, from, cell, len, &shift, &bounds);
+        if K == 4
+            && let Some(near) = &self.carry.near
+        {
+            hold::<T, D, L>(lattice, near, from, cell, len, &shift, &mut value);
+        }
+        let_in(lattice, cell, len, &free, &reach, &mut value);
+        let at = slot_of(lattice, cell) - base;
+        out[at..at + len].copy_from_slice(&value[..len]);
+    }
+}
+
+/// Begins and lengths of the short stretches of a row from `x` up to `end`. The last one overlaps the one before it where the row, which
+/// begins at `low`, is long enough: a whole stretch seldom reaches beyond what is stored.
+#[inline(always)]
+pub(crate) fn few(low: usize, x: usize, end: usize) -> impl Iterator<Item = (usize, usize)> {
+    (x..end).step_by(FEW).map(
+        #[inline(always)]
+        move |x| {
+            let x = if end - x < FEW { x.min(end.saturating_sub(FEW).max(low)) } else { x };
+            (x, FEW.min(end - x))
+        },
+    )
 }
 
 #[inline(always)]
@@ -296,16 +350,16 @@ pub(crate) fn slot_of<const D: usize>(lattice: &Lattice<D>, cell: [i64; D]) -> u
 
 /// The values at `shift`, which is within `bounds`, from each of a stretch.
 #[inline(always)]
-fn fetch<T: Real, const D: usize, const K: usize>(
+fn fetch<T: Real, const D: usize, const K: usize, const L: usize>(
     lattice: &Lattice<D>,
     field: &[T],
     cell: [i64; D],
     len: usize,
-    shift: &[Lanes<T>; D],
+    shift: &[Lanes<T, L>; D],
     bounds: &[[T; 2]; D],
-) -> Lanes<T> {
-    together::<T, D, K, LANES>(lattice, field, cell, shift, bounds)
-        .unwrap_or_else(|| fetch_parts::<T, D, K>(lattice, field, cell, len, shift))
+) -> Lanes<T, L> {
+    together::<T, D, K, L>(lattice, field, cell, shift, bounds)
+        .unwrap_or_else(|| fetch_parts::<T, D, K, L>(lattice, field, cell, len, shift))
 }
 
 /// The same for `L` values; `None` where they are torn too far apart.
@@ -334,14 +388,14 @@ fn together<T: Real, const D: usize, const K: usize, const L: usize>(
 
 /// A stretch that is torn too far apart, in shorter ones or point by point.
 #[inline(never)]
-fn fetch_parts<T: Real, const D: usize, const K: usize>(
+fn fetch_parts<T: Real, const D: usize, const K: usize, const L: usize>(
     lattice: &Lattice<D>,
     field: &[T],
     cell: [i64; D],
     len: usize,
-    shift: &[Lanes<T>; D],
-) -> Lanes<T> {
-    let mut value = [T::ZERO; LANES];
+    shift: &[Lanes<T, L>; D],
+) -> Lanes<T, L> {
+    let mut value = [T::ZERO; L];
     vectorised(
         #[inline(always)]
         || {
@@ -380,13 +434,13 @@ fn fetch_points<T: Real, const D: usize, const K: usize>(
 
 /// Blends in what walls let in where a foot lies beyond the outermost values.
 #[inline(always)]
-fn let_in<T: Real, const D: usize>(
+fn let_in<T: Real, const D: usize, const L: usize>(
     lattice: &Lattice<D>,
     cell: [i64; D],
     len: usize,
-    shift: &[Lanes<T>; D],
+    shift: &[Lanes<T, L>; D],
     bounds: &[[T; 2]; D],
-    value: &mut Lanes<T>,
+    value: &mut Lanes<T, L>,
 ) {
     for a in 0..D {
         if !lattice.walled(a) {
@@ -402,13 +456,13 @@ fn let_in<T: Real, const D: usize>(
 }
 
 #[inline(never)]
-fn let_in_axis<T: Real, const D: usize>(
+fn let_in_axis<T: Real, const D: usize, const L: usize>(
     lattice: &Lattice<D>,
     a: usize,
     cell: [i64; D],
     len: usize,
-    shift: &Lanes<T>,
-    value: &mut Lanes<T>,
+    shift: &Lanes<T, L>,
+    value: &mut Lanes<T, L>,
 ) {
     for i in 0..len {
         let own = cell[a] as f64 + if a == 0 { i as f64 } else { 0.0 };
@@ -419,6 +473,25 @@ fn let_in_axis<T: Real, const D: usize>(
                 let share = if excess >= reach { T::ONE } else { T::of(excess / reach) };
                 value[i] = value[i] + share * (T::of(carried) - value[i]);
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn short_stretches_cover_the_rest_of_a_row() {
+        for (low, x, end) in
+            [(0, 0, 1), (0, 0, 16), (0, 0, 40), (64, 64, 65), (0, 64, 65), (0, 64, 100), (10, 11, 30), (5, 5, 5)]
+        {
+            let stretches: Vec<_> = few(low, x, end).collect();
+            let covered = |i| stretches.iter().any(|(begin, len)| (*begin..begin + len).contains(&i));
+            assert!((x..end).all(covered), "{low} {x} {end}: {stretches:?}");
+            assert!(stretches.iter().all(|(begin, len)| *begin >= low && begin + len <= end && *len <= FEW));
+            // None is short where the row is long enough.
+            assert!(end - low < FEW || stretches.iter().all(|(_, len)| *len == FEW), "{low} {x} {end}: {stretches:?}");
         }
     }
 }

@@ -14,14 +14,14 @@ const REACH: usize = 3;
 
 /// Clamps the values near solids to those around their feet.
 #[inline(never)]
-pub(crate) fn hold<T: Real, const D: usize, const K: usize>(
+pub(crate) fn hold<T: Real, const D: usize, const L: usize>(
     lattice: &Lattice<D>,
     near: &[bool],
     field: &[T],
     cell: [i64; D],
     len: usize,
-    shift: &[Lanes<T>; D],
-    value: &mut Lanes<T>,
+    shift: &[Lanes<T, L>; D],
+    value: &mut Lanes<T, L>,
 ) {
     let slot = slot_of(lattice, cell);
     for i in (0..len).filter(|i| near[slot + i]) {

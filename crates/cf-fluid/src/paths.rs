@@ -4,10 +4,10 @@
 //! interpolation of the velocity that both are made from, a third of the work for three components and a quarter with a
 //! scalar. Displacements live in a ring of two planes, strip by strip, that stays in the cache.
 
-use cf_grid::Real;
+use cf_grid::{Real, vectorised};
 
-use crate::carry::Carry;
-use crate::chunk::{LANES, Lanes, lanes};
+use crate::carry::{Carry, few};
+use crate::chunk::{FEW, LANES, Lanes, lanes};
 use crate::trace::{feet, repeat_last};
 
 /// Cells of a row that are done together.
@@ -53,8 +53,16 @@ impl<T: Real, const D: usize> Ring<T, D> {
 
     /// Displacements of a stretch of `len` values: of cells, or of faces normal to `axis`, from column `x` of row `j`, plane `k`.
     #[inline(always)]
-    pub fn of(&self, axis: Option<usize>, tile: Tile, x: usize, j: usize, k: i64, len: usize) -> [Lanes<T>; D] {
-        let zero = [T::ZERO; LANES];
+    pub fn of<const L: usize>(
+        &self,
+        axis: Option<usize>,
+        tile: Tile,
+        x: usize,
+        j: usize,
+        k: i64,
+        len: usize,
+    ) -> [Lanes<T, L>; D] {
+        let zero = [T::ZERO; L];
         let (r, at) = (j - tile.j + 1, x - tile.x + 1);
         let here = &self.0[k.rem_euclid(2) as usize][r];
         let (below, low) = match axis {
@@ -67,10 +75,10 @@ impl<T: Real, const D: usize> Ring<T, D> {
         let mut shift = [zero; D];
         for a in 0..D {
             // A row has room for both.
-            let (Some(d), Some(e)) = (lanes::<T, LANES>(&here[a], at), lanes::<T, LANES>(&below[a], low)) else {
+            let (Some(d), Some(e)) = (lanes::<T, L>(&here[a], at), lanes::<T, L>(&below[a], low)) else {
                 return shift;
             };
-            for i in 0..LANES {
+            for i in 0..L {
                 shift[a][i] = half * (d[i] + e[i]);
             }
         }
@@ -98,17 +106,15 @@ fn trace_row<T: Real, const D: usize>(
     }
     let (x, width) = (tile.x as i64, tile.width as i64);
     // A whole periodic row knows what is before it; so does a row at a wall.
-    let first = if x == 0 { 0 } else { x - 1 };
+    let first = tile.x.saturating_sub(1);
+    let end = tile.x + tile.width;
     let mut i = first;
-    while i < x + width {
-        let len = (x + width - i).min(LANES as i64) as usize;
-        cell[0] = i;
-        let shift = feet(cells, &carry.faces, u, ratio, cell, len);
-        let at = (i - x + 1) as usize;
-        for a in 0..D {
-            row[a][at..at + len].copy_from_slice(&shift[a][..len]);
-        }
-        i += len as i64;
+    while end - i >= LANES {
+        trace_stretch::<T, D, LANES>(carry, u, ratio, tile, cell, i, LANES, row);
+        i += LANES;
+    }
+    if i < end {
+        trace_rest(carry, u, ratio, tile, cell, i, row);
     }
     for (index, at) in [(-1, 0), (n, tile.width + 1)] {
         if index != -1 && x + width < n || index == -1 && x > 0 {
@@ -123,7 +129,7 @@ fn trace_row<T: Real, const D: usize>(
             }
         } else {
             cell[0] = from;
-            let shift = feet(cells, &carry.faces, u, ratio, cell, 1);
+            let shift: [Lanes<T, FEW>; D] = feet(cells, &carry.faces, u, ratio, cell, 1);
             for a in 0..D {
                 row[a][at] = shift[a][0];
             }
@@ -134,4 +140,46 @@ fn trace_row<T: Real, const D: usize>(
             row[a].iter_mut().for_each(|d| *d = -*d);
         }
     }
+}
+
+/// `len` cells of the row, at most `L`, from column `x` on; `cell` holds the row's place along the other axes.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)]
+fn trace_stretch<T: Real, const D: usize, const L: usize>(
+    carry: &Carry<D>,
+    u: &[&[T]; D],
+    ratio: f64,
+    tile: Tile,
+    mut cell: [i64; D],
+    x: usize,
+    len: usize,
+    row: &mut Row<T, D>,
+) {
+    cell[0] = x as i64;
+    let shift: [Lanes<T, L>; D] = feet(&carry.cells, &carry.faces, u, ratio, cell, len);
+    let at = x + 1 - tile.x;
+    for a in 0..D {
+        row[a][at..at + len].copy_from_slice(&shift[a][..len]);
+    }
+}
+
+/// The end of a row, from column `x` on.
+#[inline(never)]
+fn trace_rest<T: Real, const D: usize>(
+    carry: &Carry<D>,
+    u: &[&[T]; D],
+    ratio: f64,
+    tile: Tile,
+    cell: [i64; D],
+    x: usize,
+    row: &mut Row<T, D>,
+) {
+    vectorised(
+        #[inline(always)]
+        || {
+            for (x, len) in few(tile.x.saturating_sub(1), x, tile.x + tile.width) {
+                trace_stretch::<T, D, FEW>(carry, u, ratio, tile, cell, x, len, row);
+            }
+        },
+    );
 }

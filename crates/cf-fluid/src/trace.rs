@@ -2,22 +2,22 @@
 
 use cf_grid::{Real, vectorised};
 
-use crate::chunk::{Along, FEW, LANES, Lanes, linear, mean, range, ranges};
+use crate::chunk::{Along, FEW, Lanes, linear, mean, range, ranges};
 use crate::lattice::Lattice;
 use crate::point;
 
 /// Displacements of a stretch from its values to their feet \[cells\]: x_m = x - (dt/2) u(x), foot = x - dt u(x_m), u
 /// linear between its faces. `ratio` = dt/h \[s/m\], `cell` the first index, `len` the values that count.
 #[inline(always)]
-pub(crate) fn feet<T: Real, const D: usize>(
+pub(crate) fn feet<T: Real, const D: usize, const L: usize>(
     at: &Lattice<D>,
     faces: &[Lattice<D>; D],
     u: &[&[T]; D],
     ratio: f64,
     cell: [i64; D],
     len: usize,
-) -> [Lanes<T>; D] {
-    let mut shift = [[T::ZERO; LANES]; D];
+) -> [Lanes<T, L>; D] {
+    let mut shift = [[T::ZERO; L]; D];
     if !together(at, faces, u, ratio, cell, len, &mut shift) {
         in_parts(at, faces, u, ratio, cell, len, &mut shift);
     }
@@ -26,14 +26,14 @@ pub(crate) fn feet<T: Real, const D: usize>(
 
 /// A stretch that is torn too far apart, in shorter ones.
 #[inline(never)]
-fn in_parts<T: Real, const D: usize>(
+fn in_parts<T: Real, const D: usize, const L: usize>(
     at: &Lattice<D>,
     faces: &[Lattice<D>; D],
     u: &[&[T]; D],
     ratio: f64,
     cell: [i64; D],
     len: usize,
-    shift: &mut [Lanes<T>; D],
+    shift: &mut [Lanes<T, L>; D],
 ) {
     vectorised(
         #[inline(always)]

@@ -49,7 +49,10 @@ fn print(opened: &Opened) -> Result<(), Failure> {
     for claim in &experiment.claims {
         say!("  {:<10} {:<6} {}", kind(&claim.kind), format!("{:?}", claim.source), claim.name);
     }
-    say!("\nPredicted time in all: {} ({seconds:.2} s), from steps measured just now.", show::seconds(seconds));
+    say!(
+        "\nPredicted time in all: {} ({seconds:.2} s) without pictures, from steps measured just now.",
+        show::seconds(seconds)
+    );
     Ok(())
 }
 

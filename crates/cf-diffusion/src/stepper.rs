@@ -98,6 +98,8 @@ pub struct StepReport {
     pub solves: usize,
     /// Solver iterations, all solves together.
     pub iterations: usize,
+    /// The most of one solve.
+    pub most_iterations: usize,
     /// Largest residual of the solves, max|r| \[P\]: a bound of what they add to the error of phi.
     pub residual: f64,
     /// Explicit diffusion sub-steps.
@@ -455,6 +457,7 @@ impl<T: Real, const D: usize> Diffusion<T, D> {
         let mut count = |moved: Moved, share: f64| {
             report.outflow += share * moved.outflow * volume;
             report.iterations += moved.statistics.iterations;
+            report.most_iterations = report.most_iterations.max(moved.statistics.iterations);
             report.residual = report.residual.max(moved.statistics.largest);
         };
         let Self { grid, walls, law, implicit, embedded, .. } = self;

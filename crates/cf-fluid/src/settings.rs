@@ -116,6 +116,8 @@ pub struct FlowReport {
     pub projections: usize,
     /// Solver iterations, all projections together.
     pub iterations: usize,
+    /// The most of one projection.
+    pub most_iterations: usize,
     /// Largest max|div u| dt after any projection.
     pub divergence: f64,
     /// Largest mean of div u \[1/s\] that held velocities force on a part of the fluid; 0 where they balance.
@@ -128,6 +130,7 @@ impl FlowReport {
     pub(crate) fn count(&mut self, done: crate::Projected) {
         self.projections += 1;
         self.iterations += done.iterations;
+        self.most_iterations = self.most_iterations.max(done.iterations);
         self.divergence = self.divergence.max(done.divergence);
         self.imbalance = self.imbalance.max(done.imbalance);
         self.at_floor |= done.at_floor;

@@ -141,7 +141,7 @@ fn obstacles_add_no_energy() {
             let mut fluid =
                 Fluid::<f64, 2>::new(&grid, &Sides::all(FlowWall::Closed), Some(&mask), settings(scheme, 1e-6))
                     .unwrap();
-            fluid.set_velocity(&verify::random_flow(n, 4).unwrap()).unwrap();
+            fluid.set_velocity(&verify::random_flow(n, 4, false).unwrap()).unwrap();
             let start = fluid.kinetic_energy();
             let dt = cfl * grid.h() / fluid.max_speed();
             let end = 10.0 * 0.25 / fluid.max_speed();

@@ -37,6 +37,15 @@ const CHEBYSHEV_PASSES: f64 = 6.0;
 const MULTIGRID_PASSES: f64 = 23.0;
 
 impl Plan {
+    /// Passes over the data of one iteration, as [`choose`](Self::choose) counts them.
+    pub fn passes(self) -> f64 {
+        match self {
+            Plan::Diagonal => 2.0,
+            Plan::Chebyshev => CHEBYSHEV_PASSES,
+            Plan::Multigrid => MULTIGRID_PASSES,
+        }
+    }
+
     /// Chooses by predicted passes over the data for a residual reduction of `tolerance` (docs/solver.md).
     /// `alpha` and `kappa` as in [`Helmholtz`](crate::Helmholtz); `wall` is the largest wall conductance.
     pub fn choose(dimension: usize, alpha: f64, kappa: f64, wall: f64, tolerance: f64) -> Choice {

@@ -23,7 +23,7 @@ pub(crate) struct Ledger {
     pub outflow: f64,
     pub solves: usize,
     pub iterations: usize,
-    /// Largest mean over the solves of one step.
+    /// The most of one solve.
     pub most_iterations: usize,
     pub residual: f64,
     /// Explicit and transport sub-steps, the most in one step.
@@ -61,7 +61,7 @@ pub(crate) struct FlowCounts {
     pub schemes: BTreeMap<String, u64>,
     pub projections: usize,
     pub iterations: usize,
-    /// Largest mean over the projections of one step.
+    /// The most of one projection.
     pub most_iterations: usize,
     pub divergence: f64,
     pub at_floor: u64,
@@ -80,7 +80,7 @@ impl FlowCounts {
         *self.schemes.entry(format!("{:?}", report.scheme)).or_default() += 1;
         self.projections += report.projections;
         self.iterations += report.iterations;
-        self.most_iterations = self.most_iterations.max(report.iterations.div_ceil(report.projections.max(1)));
+        self.most_iterations = self.most_iterations.max(report.most_iterations);
         // What does not balance stays in u, whatever the projection does about the rest.
         self.divergence = self.divergence.max(report.divergence + report.imbalance * dt);
         self.at_floor += u64::from(report.at_floor);
@@ -115,7 +115,7 @@ impl Ledger {
         self.outflow += report.outflow;
         self.solves += report.solves;
         self.iterations += report.iterations;
-        self.most_iterations = self.most_iterations.max(report.iterations.div_ceil(report.solves.max(1)));
+        self.most_iterations = self.most_iterations.max(report.most_iterations);
         self.residual = self.residual.max(report.residual);
         self.substeps = self.substeps.max(report.substeps);
         self.transport_substeps = self.transport_substeps.max(report.transport_substeps);

@@ -136,6 +136,12 @@ impl ErrorSummary {
             (None, None, _) => format!("no estimate of the error: {}", self.how),
         }
     }
+
+    /// The estimate, and where it comes from.
+    pub fn sentence(&self) -> String {
+        let words = self.words();
+        if words.ends_with(&self.how) { words } else { format!("{words}: {}", self.how) }
+    }
 }
 
 /// The relative error from which on an estimate is none.

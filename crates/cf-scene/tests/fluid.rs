@@ -237,6 +237,14 @@ fn a_mask_file_is_as_good_as_shapes() {
 }
 
 #[test]
+fn a_jet_within_an_obstacle_is_refused() {
+    let text = INK.replace("obstacles: [Ball", "obstacles: [Box(low: (0.3, 0.0), high: (0.7, 0.3)), Ball");
+    let text = text.replace("(shape: Box(low: (0.4, 0.0), high: (0.6, 0.1)), rate: 10.0, until: 0.5),", "");
+    let problem = unfold("ink.ron", &text, &[]).unwrap_err();
+    assert!(problem.contains("model.medium.jets[0].shape: every cell of this shape is solid"), "{problem}");
+}
+
+#[test]
 fn what_makes_no_flow_is_refused_where_it_stands() {
     let cases: &[(&str, &str, &[&str])] = &[
         (

@@ -103,11 +103,11 @@ impl Scene {
         add("advection buffers", buffers, word);
         let solver = if own { 4.0 + levels } else { 0.0 };
         match integrator {
-            None | Some(Integrator::Kdk) => add("step buffer", 1.0, word),
+            None | Some(Integrator::Kdk) => {}
             Some(Integrator::Characteristic) => add("step buffers", 2.0, word),
             Some(Integrator::PaperBe) => add("solver vectors and levels", solver, word),
             Some(Integrator::Sdirk2) => {
-                add("first stage", 1.0 + flux, word);
+                add("first stage", if own { 1.0 + flux } else { 0.0 }, word);
                 add("solver vectors and levels", solver, word);
             }
         }

@@ -22,7 +22,9 @@ pub(super) fn fluid(check: &mut Checker<'_>, scene: &Scene) {
     }
     let initial = model.initial.iter().enumerate().map(|(i, deposit)| (format!("model.initial[{i}]"), &deposit.shape));
     let sources = model.sources.iter().enumerate().map(|(i, source)| (format!("model.sources[{i}]"), &source.shape));
-    for (path, shape) in initial.chain(sources) {
+    let jets = model.fluid.iter().flat_map(|fluid| fluid.jets.iter().enumerate());
+    let jets = jets.map(|(i, jet)| (format!("model.medium.jets[{i}]"), &jet.shape));
+    for (path, shape) in initial.chain(sources).chain(jets) {
         let reaches = solid.any_fluid(|axis| shape.bounds(axis), |centre| touches(shape, centre, &scene.grid));
         check.require(reaches, &format!("{path}.shape"), || {
             Detail::new("every cell of this shape is solid, so it would do nothing")

@@ -81,7 +81,7 @@ fn plan(page: &mut String, run: &RunSummary) {
         ("transport", escape(&run.advection)),
         ("solver", format!("{}{}", escape(&run.solver), because(&run.solver_reason))),
         ("largest residual", format!("{:.1e}", run.residual)),
-        ("error", format!("{}: {}", escape(&run.error.words()), escape(&run.error.how))),
+        ("error", escape(&run.error.sentence())),
         ("peak memory", bytes(run.peak_memory)),
     ];
     let mut rows = rows.to_vec();

@@ -198,14 +198,15 @@ impl<T: Real, const D: usize> Projection<T, D> {
         let (h, mut done) = (self.grid.h(), Projected::default());
         // In the units of Σ (u_R - u_L). Without a step nothing is moved by what remains: the rounding floor decides.
         let wanted = (eta * h / dt).min(f64::MAX.sqrt());
-        let mut removed = 0.0;
+        // The means that are left out, and with them what the solve has left beside them: the largest of all divergence cannot tell.
+        let (mut removed, mut beside) = (0.0, 0.0);
         for pass in 0..=PASSES {
             let rhs = NegativeDivergence::new(&layout, &self.gates, fluid, u);
             let largest = rhs.largest(&layout);
             if !largest.is_finite() {
                 return Err(self.not_finite(u));
             }
-            let left = (largest - removed).max(0.0);
+            let left = (largest - removed).max(beside);
             done.divergence = left * dt / h;
             if left <= wanted || pass == PASSES || done.at_floor {
                 done.at_floor = left > wanted;
@@ -225,6 +226,7 @@ impl<T: Real, const D: usize> Projection<T, D> {
                 removed = mean;
                 done.imbalance = mean / h;
             }
+            beside = if removed > 0.0 { solved.statistics.largest } else { 0.0 };
             subtract_gradient(&layout, &self.gates, 1.0, &self.step, u);
             let step = &self.step;
             layout.par_runs(layout.cells_region(), &mut sum[..], |run, s: &mut [T]| {

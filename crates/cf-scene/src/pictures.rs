@@ -214,7 +214,9 @@ pub(crate) fn sheet(title: &str, lasts: &[Last<'_>]) -> Result<Option<Canvas>, O
     }
     let tall = pictures.iter().map(|(picture, _)| picture.height()).max().unwrap_or(240);
     let clipped = clipped(common_range(&planes), scale.range);
-    let bar = color_bar(&Style { clipped, ..scale.style() }, scale.range, tall.min(400));
+    let style = scale.style();
+    let quantity = format!("{}; {}", style.quantity, clock(first.scene, first.time));
+    let bar = color_bar(&Style { clipped, quantity, ..style }, scale.range, tall.min(400));
     let columns = if pictures.len() <= 6 { pictures.len() } else { pictures.len().div_ceil(2) };
     Ok(Some(contact_sheet(&pictures, columns, Some(&bar), Theme::Light)))
 }

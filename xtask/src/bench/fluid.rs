@@ -52,6 +52,7 @@ pub fn measure(sizes: &Sizes, threads: usize, stop: &AtomicBool) -> Result<Vec<R
                     if stop.load(Ordering::Relaxed) {
                         return Ok(rows);
                     }
+                    complain!("transport, {how:?}, {walls:?}, {}, {threads} threads", show::cells(&[n; 3]));
                     rows.push(pool::within(threads, || transport(n, walls, how, threads))??);
                 }
             }
@@ -125,10 +126,12 @@ fn solved<T: Real, const D: usize>(
         rows.push(Row { what, precision: T::NAME, threads, cells: grid.layout().count(), seconds, iterations });
     };
     if !stop.load(Ordering::Relaxed) {
+        complain!("projection, {}, {}", show::cells(&cells), T::NAME);
         keep("projection of a rough velocity".into(), projection(&grid, &flow)?);
     }
     for scheme in [Scheme::Draft, Scheme::Cnp, Scheme::ReflectionExtrapolated] {
         if !stop.load(Ordering::Relaxed) {
+            complain!("{scheme:?} step, {}, {}", show::cells(&cells), T::NAME);
             keep(format!("{scheme:?} step"), step(&grid, &flow, scheme)?);
         }
     }

@@ -316,6 +316,7 @@ pub fn scene(Runs { source, runs }: &Runs, asked: &TradeoffArgs, stop: &AtomicBo
     let mut rows: Vec<Measured> = Vec::new();
     for scene in runs {
         let problem = format!("{}, {}", source.name, scene.run);
+        complain!("{problem}: the reference, a run on each of three grids");
         let reference = Reference::of(source, scene, threads)?;
         say!(
             "{problem}: reference {} cells, {}, order {:.2} on three grids, error about {:.1e}",

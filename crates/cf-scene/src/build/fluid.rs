@@ -10,7 +10,7 @@ use crate::stopwatch::Stopwatch;
 use crate::summary::HcSummary;
 use cf_diffusion::{Diffusion, Source, State, StepReport};
 use cf_fluid::{Buoyancy, Coupled, Emitter, Flow, FlowSettings, FlowWall, Fluid, Jet, Scheme, Shape};
-use cf_grid::{Axis, FaceField, Layout, Sides};
+use cf_grid::{Axis, FaceField, Layout, Reduce, Sides};
 
 /// A fluid with phi and q_C.
 pub(super) struct Carried<T, const D: usize> {
@@ -204,7 +204,7 @@ struct Speeds {
     power: f64,
 }
 
-impl cf_grid::Reduce for Speeds {
+impl Reduce for Speeds {
     fn merge(self, next: Self) -> Self {
         Speeds {
             most: self.most.max(next.most),
@@ -215,6 +215,9 @@ impl cf_grid::Reduce for Speeds {
     }
 }
 
+/// Cells of a row that are measured together.
+const PIECE: usize = 64;
+
 /// |u| of every cell, from the means of its faces, and what forces do there; solid cells have none.
 fn speeds<T: Number, const D: usize>(fluid: &Fluid<T, D>, state: &State<T, D>, limit: f64) -> Speeds {
     let (grid, sides, u, mask) = (fluid.grid(), fluid.sides(), fluid.velocity(), fluid.mask());
@@ -222,33 +225,61 @@ fn speeds<T: Number, const D: usize>(fluid: &Fluid<T, D>, state: &State<T, D>, l
     let driven = buoyancy.is_some() || force.iter().any(|f| *f != 0.0);
     let layout: &Layout<D> = grid.layout();
     let volume = grid.cell_volume();
-    layout.par_runs(layout.cells_region(), (), |run, ()| {
-        run.ats().fold(Speeds::default(), |found, at| {
-            let mean: [f64; D] = std::array::from_fn(|axis| {
-                let seam = sides.is_periodic(axis) && at.cell[axis] + 1 == layout.cells()[axis];
-                let high = if seam {
-                    let mut first = at.cell;
-                    first[axis] = 0;
-                    layout.slot(first)
-                } else {
-                    at.high(axis)
-                };
-                0.5 * (u.axis(axis)[at.slot()].f64() + u.axis(axis)[high].f64())
-            });
-            let speed = mean.iter().map(|v| v * v).sum::<f64>().sqrt();
-            let above = if speed > limit { 1.0 } else { 0.0 };
-            let mut power = 0.0;
-            if driven && mask.is_none_or(|mask| mask.fluid()[at.slot()]) {
-                let lift = buoyancy.map_or(0.0, |b| b.strength * (state.phi[at.slot()].f64() - b.reference));
-                let up = buoyancy.map_or([0.0; D], |b| b.up);
-                power = (0..D).map(|a| mean[a] * (force[a] + lift * up[a])).sum::<f64>() * volume;
+    let (strength, reference, up) = buoyancy.map_or((0.0, 0.0, [0.0; D]), |b| (b.strength, b.reference, b.up));
+    layout.par_runs(
+        layout.cells_region(),
+        (),
+        #[inline(always)]
+        |run, ()| {
+            let [mut most, mut sum, mut above, mut power] = [[0.0; PIECE]; 4];
+            for first in (0..run.len()).step_by(PIECE) {
+                let piece = run.part(first, PIECE.min(run.len() - first));
+                let n = piece.len();
+                let mut mean = [[0.0; PIECE]; D];
+                for axis in 0..D {
+                    let (u, last) = (u.axis(axis), layout.cells()[axis]);
+                    let low = piece.row(u);
+                    let mut high = piece.high(axis, u);
+                    // Beyond the seam of a periodic axis comes its first face.
+                    let mut start = piece.cell;
+                    start[axis] = 0;
+                    let seam = sides.is_periodic(axis).then_some(layout.slot(start));
+                    if let Some(start) = seam.filter(|_| axis > 0 && piece.cell[axis] + 1 == last) {
+                        high = &u[start..start + n];
+                    }
+                    for i in 0..n {
+                        mean[axis][i] = 0.5 * (low[i].f64() + high[i].f64());
+                    }
+                    if let Some(start) = seam.filter(|_| axis == 0 && piece.cell[0] + n == last) {
+                        mean[0][n - 1] = 0.5 * (low[n - 1].f64() + u[start].f64());
+                    }
+                }
+                for i in 0..n {
+                    let mut square = 0.0;
+                    for axis in 0..D {
+                        square += mean[axis][i] * mean[axis][i];
+                    }
+                    let speed = square.sqrt();
+                    most[i] = f64::max(most[i], speed);
+                    sum[i] += speed;
+                    above[i] += if speed > limit { 1.0 } else { 0.0 };
+                }
+                if driven {
+                    let (phi, wet) = (piece.row(&state.phi[..]), mask.map(|mask| piece.row(mask.fluid())));
+                    for i in (0..n).filter(|&i| wet.is_none_or(|wet| wet[i])) {
+                        let lift = strength * (phi[i].f64() - reference);
+                        for axis in 0..D {
+                            power[i] += volume * mean[axis][i] * (force[axis] + lift * up[axis]);
+                        }
+                    }
+                }
             }
-            Speeds {
-                most: found.most.max(speed),
-                sum: found.sum + speed,
-                above: found.above + above,
-                power: found.power + power,
+            let mut found = Speeds::default();
+            for i in 0..PIECE {
+                let one = Speeds { most: most[i], sum: sum[i], above: above[i], power: power[i] };
+                found = found.merge(one);
             }
-        })
-    })
+            found
+        },
+    )
 }

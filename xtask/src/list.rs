@@ -32,7 +32,7 @@ pub fn list() -> Result<(), Failure> {
     }
     say_part!("{}", show::table(&["figure", "shows", "preset", "runs", "cells", "memory", "time"], &rows));
     say!(
-        "\nMemory is the largest run's, time that of all runs on two cores, within a factor of two or three;\npictures of volumes, some half a second each, come on top."
+        "\nMemory is the largest run's, time that of all runs on two cores, within a factor of two or three;\npictures of volumes come on top."
     );
     say!("Run one with `cargo xtask figure <figure> --preset <preset>`, look closer with `cargo xtask check`.");
     Ok(())

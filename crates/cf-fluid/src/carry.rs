@@ -7,11 +7,11 @@
 use cf_grid::{End, FaceField, Layout, Mask, Max, Real, Reduce, Sides, Slabs, join, vectorised};
 
 use crate::calculus::largest;
-use crate::chunk::{Along, FEW, LANES, Lanes, cubic, linear, ranges};
+use crate::chunk::{Along, FEW, LANES, Lanes, cubic, few, linear, ranges};
 use crate::fill::Fill;
 use crate::lattice::Lattice;
 use crate::limit::{away_from_walls, hold, near_solids, range_beyond, reverted};
-use crate::paths::{Ring, STRIP, TILE, Tile};
+use crate::paths::{Ring, STRIP, TILE, Tile, Tracing};
 use crate::point;
 use crate::trace::{feet, inside};
 use crate::wall::FlowWall;
@@ -208,6 +208,15 @@ struct Load<'a, T, const D: usize, const K: usize, const N: usize> {
     from: [&'a [T]; N],
 }
 
+/// Lattice `l` in row `j` of plane `k` of a tile.
+#[derive(Clone, Copy)]
+struct Line {
+    l: usize,
+    tile: Tile,
+    j: usize,
+    k: usize,
+}
+
 /// Planes of a slab, which is done serially; the plane before it is traced again.
 const SLAB: usize = 16;
 
@@ -235,12 +244,13 @@ impl<T: Real, const D: usize, const K: usize, const N: usize> Load<'_, T, D, K, 
         for j in (0..rows).step_by(STRIP) {
             for x in (0..cells[0]).step_by(TILE) {
                 let tile = Tile { x, width: TILE.min(cells[0] - x), j, rows: STRIP.min(rows - j) };
-                ring.trace(self.carry, &self.u, self.ratio, tile, low as i64 - 1);
+                let by = Tracing { carry: self.carry, u: self.u, ratio: self.ratio, tile };
+                ring.trace(&by, low as i64 - 1);
                 for k in low..high {
-                    ring.trace(self.carry, &self.u, self.ratio, tile, k as i64);
+                    ring.trace(&by, k as i64);
                     for j in j..j + tile.rows {
                         for l in 0..N {
-                            self.row(l, ring, tile, [j, k], out[l], base);
+                            self.row(Line { l, tile, j, k }, ring, out[l], base);
                         }
                     }
                 }
@@ -248,9 +258,10 @@ impl<T: Real, const D: usize, const K: usize, const N: usize> Load<'_, T, D, K, 
         }
     }
 
-    /// Lattice `l` in one row of a tile.
+    /// What is carried in one row of a tile.
     #[inline(always)]
-    fn row(&self, l: usize, ring: &Ring<T, D>, tile: Tile, [j, k]: [usize; 2], out: &mut [T], base: usize) {
+    fn row(&self, line: Line, ring: &Ring<T, D>, out: &mut [T], base: usize) {
+        let Line { l, tile, j, k } = line;
         let region = self.lattices[l].region;
         if k >= region.high[D - 1] || (D == 3 && j >= region.high[1]) {
             return;
@@ -260,46 +271,34 @@ impl<T: Real, const D: usize, const K: usize, const N: usize> Load<'_, T, D, K, 
         let end = if last { region.high[0] } else { tile.x + tile.width };
         let mut x = tile.x;
         while end - x >= LANES {
-            self.stretch::<LANES>(l, ring, tile, [x, j, k], LANES, out, base);
+            self.stretch::<LANES>(line, ring, x, LANES, out, base);
             x += LANES;
         }
         if x < end {
-            self.rest(l, ring, tile, [x, j, k], end, out, base);
+            self.rest(line, ring, x, end, out, base);
         }
     }
 
     /// The end of a row, from `x` up to `end`.
     #[inline(never)]
-    #[allow(clippy::too_many_arguments)]
-    fn rest(
-        &self,
-        l: usize,
-        ring: &Ring<T, D>,
-        tile: Tile,
-        [x, j, k]: [usize; 3],
-        end: usize,
-        out: &mut [T],
-        base: usize,
-    ) {
+    fn rest(&self, line: Line, ring: &Ring<T, D>, x: usize, end: usize, out: &mut [T], base: usize) {
         vectorised(
             #[inline(always)]
             || {
-                for (x, len) in few(tile.x, x, end) {
-                    self.stretch::<FEW>(l, ring, tile, [x, j, k], len, out, base);
+                for (x, len) in few(line.tile.x, x, end) {
+                    self.stretch::<FEW>(line, ring, x, len, out, base);
                 }
             },
         );
     }
 
-    /// `len` values of lattice `l`, at most `L`, from column `x` of row `j`, plane `k`.
+    /// `len` values, at most `L`, from column `x` on.
     #[inline(always)]
-    #[allow(clippy::too_many_arguments)]
     fn stretch<const L: usize>(
         &self,
-        l: usize,
+        Line { l, tile, j, k }: Line,
         ring: &Ring<T, D>,
-        tile: Tile,
-        [x, j, k]: [usize; 3],
+        x: usize,
         len: usize,
         out: &mut [T],
         base: usize,
@@ -324,19 +323,6 @@ impl<T: Real, const D: usize, const K: usize, const N: usize> Load<'_, T, D, K, 
         let at = slot_of(lattice, cell) - base;
         out[at..at + len].copy_from_slice(&value[..len]);
     }
-}
-
-/// Begins and lengths of the short stretches of a row from `x` up to `end`. The last one overlaps the one before it where the row, which
-/// begins at `low`, is long enough: a whole stretch seldom reaches beyond what is stored.
-#[inline(always)]
-pub(crate) fn few(low: usize, x: usize, end: usize) -> impl Iterator<Item = (usize, usize)> {
-    (x..end).step_by(FEW).map(
-        #[inline(always)]
-        move |x| {
-            let x = if end - x < FEW { x.min(end.saturating_sub(FEW).max(low)) } else { x };
-            (x, FEW.min(end - x))
-        },
-    )
 }
 
 #[inline(always)]
@@ -473,25 +459,6 @@ fn let_in_axis<T: Real, const D: usize, const L: usize>(
                 let share = if excess >= reach { T::ONE } else { T::of(excess / reach) };
                 value[i] = value[i] + share * (T::of(carried) - value[i]);
             }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn short_stretches_cover_the_rest_of_a_row() {
-        for (low, x, end) in
-            [(0, 0, 1), (0, 0, 16), (0, 0, 40), (64, 64, 65), (0, 64, 65), (0, 64, 100), (10, 11, 30), (5, 5, 5)]
-        {
-            let stretches: Vec<_> = few(low, x, end).collect();
-            let covered = |i| stretches.iter().any(|(begin, len)| (*begin..begin + len).contains(&i));
-            assert!((x..end).all(covered), "{low} {x} {end}: {stretches:?}");
-            assert!(stretches.iter().all(|(begin, len)| *begin >= low && begin + len <= end && *len <= FEW));
-            // None is short where the row is long enough.
-            assert!(end - low < FEW || stretches.iter().all(|(_, len)| *len == FEW), "{low} {x} {end}: {stretches:?}");
         }
     }
 }

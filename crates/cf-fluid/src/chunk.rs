@@ -16,6 +16,19 @@ pub(crate) const LANES: usize = 64;
 /// Values done together where a stretch of [`LANES`] is torn too far apart.
 pub(crate) const FEW: usize = 16;
 
+/// Begins and lengths of the short stretches of a row from `x` up to `end`. The last one overlaps the one before it where the row, which
+/// begins at `low`, is long enough: a whole stretch seldom reaches beyond what is stored.
+#[inline(always)]
+pub(crate) fn few(low: usize, x: usize, end: usize) -> impl Iterator<Item = (usize, usize)> {
+    (x..end).step_by(FEW).map(
+        #[inline(always)]
+        move |x| {
+            let x = if end - x < FEW { x.min(end.saturating_sub(FEW).max(low)) } else { x };
+            (x, FEW.min(end - x))
+        },
+    )
+}
+
 /// One number per value of a stretch.
 pub(crate) type Lanes<T, const L: usize = LANES> = [T; L];
 
@@ -446,6 +459,20 @@ mod tests {
         for torn in [std::array::from_fn(|i| i as f32), [f32::NAN; LANES]] {
             let mut along = Along::NONE;
             assert!(!along.set(&torn, range::<f32, LANES>(&torn), 0.0));
+        }
+    }
+
+    #[test]
+    fn short_stretches_cover_the_rest_of_a_row() {
+        for (low, x, end) in
+            [(0, 0, 1), (0, 0, 16), (0, 0, 40), (64, 64, 65), (0, 64, 65), (0, 64, 100), (10, 11, 30), (5, 5, 5)]
+        {
+            let stretches: Vec<_> = few(low, x, end).collect();
+            let covered = |i| stretches.iter().any(|(begin, len)| (*begin..begin + len).contains(&i));
+            assert!((x..end).all(covered), "{low} {x} {end}: {stretches:?}");
+            assert!(stretches.iter().all(|(begin, len)| *begin >= low && begin + len <= end && *len <= FEW));
+            // None is short where the row is long enough.
+            assert!(end - low < FEW || stretches.iter().all(|(_, len)| *len == FEW), "{low} {x} {end}: {stretches:?}");
         }
     }
 }

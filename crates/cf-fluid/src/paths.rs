@@ -6,8 +6,8 @@
 
 use cf_grid::{Real, vectorised};
 
-use crate::carry::{Carry, few};
-use crate::chunk::{FEW, LANES, Lanes, lanes};
+use crate::carry::Carry;
+use crate::chunk::{FEW, LANES, Lanes, few, lanes};
 use crate::trace::{feet, repeat_last};
 
 /// Cells of a row that are done together.
@@ -40,14 +40,15 @@ impl<T: Real, const D: usize> Ring<T, D> {
 
     /// Traces the cells of plane `k`, in place of the plane before the last; planes and rows may lie beyond the box.
     #[inline(always)]
-    pub fn trace(&mut self, carry: &Carry<D>, u: &[&[T]; D], ratio: f64, tile: Tile, k: i64) {
+    pub fn trace(&mut self, by: &Tracing<'_, T, D>, k: i64) {
+        let tile = by.tile;
         let plane = &mut self.0[k.rem_euclid(2) as usize];
         for (r, row) in plane.iter_mut().enumerate().take(tile.rows + 1) {
             let j = (tile.j + r) as i64 - 1;
             if D == 2 && r == 0 {
                 continue;
             }
-            trace_row(carry, u, ratio, tile, if D == 2 { [0, k] } else { [j, k] }, row);
+            by.row(if D == 2 { [0, k] } else { [j, k] }, row);
         }
     }
 
@@ -87,99 +88,93 @@ impl<T: Real, const D: usize> Ring<T, D> {
     }
 }
 
-/// Traces one row, `[j, k]` its place along the other axes.
-#[inline(always)]
-fn trace_row<T: Real, const D: usize>(
-    carry: &Carry<D>,
-    u: &[&[T]; D],
-    ratio: f64,
-    tile: Tile,
-    [j, k]: [i64; 2],
-    row: &mut Row<T, D>,
-) {
-    let (cells, n) = (&carry.cells, carry.layout.cells()[0] as i64);
-    let mut cell = [0; D];
-    let mut flip = [false; D];
-    for (a, index) in [(1, j), (D - 1, k)] {
-        cell[a] = cells.place(a, index).0 as i64;
-        flip[a] = carry.turns(a, index);
-    }
-    let (x, width) = (tile.x as i64, tile.width as i64);
-    // A whole periodic row knows what is before it; so does a row at a wall.
-    let first = tile.x.saturating_sub(1);
-    let end = tile.x + tile.width;
-    let mut i = first;
-    while end - i >= LANES {
-        trace_stretch::<T, D, LANES>(carry, u, ratio, tile, cell, i, LANES, row);
-        i += LANES;
-    }
-    if i < end {
-        trace_rest(carry, u, ratio, tile, cell, i, row);
-    }
-    for (index, at) in [(-1, 0), (n, tile.width + 1)] {
-        if index != -1 && x + width < n || index == -1 && x > 0 {
-            continue;
-        }
-        let from = cells.place(0, index).0 as i64;
-        if (x..x + width).contains(&from) {
-            let turns = carry.turns(0, index);
-            for a in 0..D {
-                let d = row[a][(from - x + 1) as usize];
-                row[a][at] = if a == 0 && turns { -d } else { d };
-            }
-        } else {
-            cell[0] = from;
-            let shift: [Lanes<T, FEW>; D] = feet(cells, &carry.faces, u, ratio, cell, 1);
-            for a in 0..D {
-                row[a][at] = shift[a][0];
-            }
-        }
-    }
-    for a in 1..D {
-        if flip[a] {
-            row[a].iter_mut().for_each(|d| *d = -*d);
-        }
-    }
+/// A velocity that traces over dt = `ratio` h \[s/m\], and where.
+#[derive(Clone, Copy)]
+pub(crate) struct Tracing<'a, T, const D: usize> {
+    pub carry: &'a Carry<D>,
+    pub u: [&'a [T]; D],
+    pub ratio: f64,
+    pub tile: Tile,
 }
 
-/// `len` cells of the row, at most `L`, from column `x` on; `cell` holds the row's place along the other axes.
-#[inline(always)]
-#[allow(clippy::too_many_arguments)]
-fn trace_stretch<T: Real, const D: usize, const L: usize>(
-    carry: &Carry<D>,
-    u: &[&[T]; D],
-    ratio: f64,
-    tile: Tile,
-    mut cell: [i64; D],
-    x: usize,
-    len: usize,
-    row: &mut Row<T, D>,
-) {
-    cell[0] = x as i64;
-    let shift: [Lanes<T, L>; D] = feet(&carry.cells, &carry.faces, u, ratio, cell, len);
-    let at = x + 1 - tile.x;
-    for a in 0..D {
-        row[a][at..at + len].copy_from_slice(&shift[a][..len]);
-    }
-}
-
-/// The end of a row, from column `x` on.
-#[inline(never)]
-fn trace_rest<T: Real, const D: usize>(
-    carry: &Carry<D>,
-    u: &[&[T]; D],
-    ratio: f64,
-    tile: Tile,
-    cell: [i64; D],
-    x: usize,
-    row: &mut Row<T, D>,
-) {
-    vectorised(
-        #[inline(always)]
-        || {
-            for (x, len) in few(tile.x.saturating_sub(1), x, tile.x + tile.width) {
-                trace_stretch::<T, D, FEW>(carry, u, ratio, tile, cell, x, len, row);
+impl<T: Real, const D: usize> Tracing<'_, T, D> {
+    /// One row of the tile, `[j, k]` its place along the other axes.
+    #[inline(always)]
+    fn row(&self, [j, k]: [i64; 2], row: &mut Row<T, D>) {
+        let Tile { x, width, .. } = self.tile;
+        let (cells, n) = (&self.carry.cells, self.carry.layout.cells()[0]);
+        let mut cell = [0; D];
+        let mut flip = [false; D];
+        for (a, index) in [(1, j), (D - 1, k)] {
+            cell[a] = cells.place(a, index).0 as i64;
+            flip[a] = self.carry.turns(a, index);
+        }
+        let end = x + width;
+        let mut i = self.first();
+        while end - i >= LANES {
+            self.stretch::<LANES>(cell, i, LANES, row);
+            i += LANES;
+        }
+        if i < end {
+            self.rest(cell, i, row);
+        }
+        for (index, at) in [(-1, 0), (n as i64, width + 1)] {
+            if index != -1 && end < n || index == -1 && x > 0 {
+                continue;
             }
-        },
-    );
+            let from = cells.place(0, index).0;
+            if (x..end).contains(&from) {
+                let turns = self.carry.turns(0, index);
+                for a in 0..D {
+                    let d = row[a][from - x + 1];
+                    row[a][at] = if a == 0 && turns { -d } else { d };
+                }
+            } else {
+                let shift: [Lanes<T, FEW>; D] = self.feet(cell, from, 1);
+                for a in 0..D {
+                    row[a][at] = shift[a][0];
+                }
+            }
+        }
+        for a in 1..D {
+            if flip[a] {
+                row[a].iter_mut().for_each(|d| *d = -*d);
+            }
+        }
+    }
+
+    /// The first column that is traced: a whole periodic row knows what is before it; so does a row at a wall.
+    fn first(&self) -> usize {
+        self.tile.x.saturating_sub(1)
+    }
+
+    /// Displacements from column `x` on; `cell` holds the place along the other axes.
+    #[inline(always)]
+    fn feet<const L: usize>(&self, mut cell: [i64; D], x: usize, len: usize) -> [Lanes<T, L>; D] {
+        cell[0] = x as i64;
+        feet(&self.carry.cells, &self.carry.faces, &self.u, self.ratio, cell, len)
+    }
+
+    /// `len` cells of a row, at most `L`.
+    #[inline(always)]
+    fn stretch<const L: usize>(&self, cell: [i64; D], x: usize, len: usize, row: &mut Row<T, D>) {
+        let shift: [Lanes<T, L>; D] = self.feet(cell, x, len);
+        let at = x + 1 - self.tile.x;
+        for a in 0..D {
+            row[a][at..at + len].copy_from_slice(&shift[a][..len]);
+        }
+    }
+
+    /// The end of a row.
+    #[inline(never)]
+    fn rest(&self, cell: [i64; D], x: usize, row: &mut Row<T, D>) {
+        vectorised(
+            #[inline(always)]
+            || {
+                for (x, len) in few(self.first(), x, self.tile.x + self.tile.width) {
+                    self.stretch::<FEW>(cell, x, len, row);
+                }
+            },
+        );
+    }
 }

@@ -140,7 +140,11 @@ impl ErrorSummary {
     /// The estimate, and where it comes from.
     pub fn sentence(&self) -> String {
         let words = self.words();
-        if words.ends_with(&self.how) { words } else { format!("{words}: {}", self.how) }
+        // Without any estimate the words are the reason.
+        match (self.embedded, self.whole_run) {
+            (None, None) => words,
+            _ => format!("{words}: {}", self.how),
+        }
     }
 }
 

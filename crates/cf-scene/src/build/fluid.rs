@@ -215,8 +215,8 @@ impl Reduce for Speeds {
     }
 }
 
-/// Cells of a row that are measured together.
-const PIECE: usize = 64;
+/// Cells of a row that are measured together: two registers of numbers, which are summed at the end of every row.
+const PIECE: usize = 16;
 
 /// |u| of every cell, from the means of its faces, and what forces do there; solid cells have none.
 fn speeds<T: Number, const D: usize>(fluid: &Fluid<T, D>, state: &State<T, D>, limit: f64) -> Speeds {

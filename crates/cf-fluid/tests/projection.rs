@@ -128,3 +128,28 @@ fn numbers_that_are_not_finite_are_located() {
     let error = p.project(&mut u, &mut CellField::new(grid.layout()), 0.1, 1e-4).unwrap_err();
     assert!(error.to_string().contains("axis 1") && error.to_string().contains("[3, 4]"), "{error}");
 }
+
+#[test]
+fn what_is_left_in_a_balanced_part_is_told_beside_an_imbalance() {
+    let grid = Grid::<2>::new([17, 12], 0.1).unwrap();
+    // The cell in the corner takes in what cannot leave, and has nothing else to solve for; the rest is closed.
+    let mut sides = Sides::all(FlowWall::Closed);
+    sides.0[0] = Axis::Walls([FlowWall::Inflow([1.0, 0.0]), FlowWall::Closed]);
+    let mask = Mask::new(grid.layout(), |cell| cell == [0, 0] || cell[0] > 1);
+    let mut projection = projection::<f64, 2>(&grid, &sides, Some(&mask));
+    let mut u = FaceField::new(grid.layout());
+    for a in 0..2 {
+        u.axis_mut(a).iter_mut().enumerate().for_each(|(slot, u)| *u = ((slot * 7919 + a) % 101) as f64 / 101.0);
+    }
+    let (dt, eta) = (0.1, 1e-2);
+    let done = projection.project(&mut u, &mut CellField::new(grid.layout()), dt, eta).unwrap();
+    let mut left = 0f64;
+    grid.layout().each_cell(grid.layout().cells_region(), |at| {
+        if at.cell[0] > 1 {
+            let out: f64 = (0..2).map(|a| u.axis(a)[at.high(a)] - u.axis(a)[at.slot()]).sum();
+            left = left.max(out.abs() * dt / grid.h());
+        }
+    });
+    assert!(done.imbalance > 1.0 && left > 1e-6 * eta && left <= eta, "{done:?}, left {left}");
+    assert!(done.divergence >= 0.99 * left && done.divergence <= eta, "{done:?}, left {left}");
+}
